@@ -45,6 +45,7 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/react/src/use-splat-sequence.ts': '`onError` or the console gets it',
   'packages/three/src/cloud/splat-data.ts':
     'callers of `rowsIn`, `prepareRays` and `acquire` get it; rays call `tellOfRays`',
+  'packages/three/src/layer/splat-layer.ts': '`#load` reports it',
 };
 
 /** Imports that a module awaits without a report of lost code, as `line: specifier`. */

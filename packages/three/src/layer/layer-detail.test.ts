@@ -4,7 +4,7 @@ import { SplatCloudObject } from '../cloud/splat-cloud-object.ts';
 import { fakeEngine } from '../testing/fake-engine.ts';
 import { camera, fakeRenderer, scene } from '../testing/fake-renderer.ts';
 import { splatDataAt } from '../testing/test-clouds.ts';
-import { layerDetail } from './layer-detail.ts';
+import { layerDetail } from './layer-request.ts';
 import { layersAround } from './splat-layer.ts';
 
 const renderers = vi.hoisted(() => ({ engine: {} as SplatEngine, detail: 'full' as Detail }));

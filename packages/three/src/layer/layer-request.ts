@@ -3,12 +3,18 @@ import {
   type CloudInstance,
   cameraFromMatrices,
   combineAccuracies,
+  type Detail,
+  type EmbeddedFrameRequest,
   type Camera as EngineCamera,
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
 import type { Camera, Object3D, PerspectiveCamera } from 'three/webgpu';
-import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
+import { splatDetailOf } from '../renderer/adopt-renderer.ts';
+import type { OpenPass, PassPart } from '../renderer/three-bridge.ts';
+import type { DrawnCloud, FramePlace, FrameUse, LayerCloud } from './layer-cloud.ts';
+import type { LayerView } from './layer-view.ts';
 
 /**
  * Returns `object` as a frame is to draw it; null while it is uploaded, or code for its effects is
@@ -50,6 +56,37 @@ function checkFrames(cloud: SplatCloud): void {
   );
 }
 
+/** Returns the effects of a cloud with their parameters in a frame; undefined while their code is loaded. */
+export function effectsIn(
+  place: FramePlace & { object: LayerCloud; nowMs: number },
+): EffectUse[] | undefined {
+  const uses = place.object.effectsAt(place.nowMs, place.scene, place.camera);
+  return uses?.map((use: FrameUse) => use.inFrame?.(place) ?? use);
+}
+
+/** Prepares a view to draw clouds in its part of a pass; returns whether they can be drawn. */
+export function prepareView(
+  { embedded, place }: LayerView,
+  { depth, hasOccluders }: OpenPass,
+  { camera, widthPx, heightPx }: PassPart,
+  drawn: ReadonlyMap<LayerCloud, DrawnCloud>,
+  other: Partial<EmbeddedFrameRequest>,
+): boolean {
+  const clouds = [...drawn.values()];
+  return embedded.prepare({
+    camera: engineCamera(camera, depth?.compare === 'greater-equal'),
+    clouds,
+    widthPx,
+    heightPx,
+    depth,
+    hasOccluders,
+    writesDepth: [...drawn.keys()].some(({ depthWrite }) => depthWrite),
+    accuracy: accuracyOf(clouds),
+    detail: layerDetail(clouds) ?? splatDetailOf(place.renderer),
+    ...other,
+  });
+}
+
 /** Returns the accuracy that all `clouds` together request; undefined if none does. */
 export function accuracyOf(clouds: Iterable<Pick<LayerCloud, 'accuracy'>>): AccuracyRequest | undefined {
   return combineAccuracies([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
@@ -85,3 +122,40 @@ function depthRange(p: readonly number[], isReversed: boolean): { near: number; 
   const atOne = isOrthographic ? (p[14] - 1) / p[10] : p[14] / (p[10] + 1);
   return isReversed ? { near: atOne, far: atZero } : { near: atZero, far: atOne };
 }
+
+/**
+ * Returns the finest detail that any cloud of a frame requests; null if no cloud does. From finest
+ * to coarsest: `full`, a PSNR, limits, a frame time, `auto`. The largest of several budgets holds
+ * for all clouds together. If one cloud limits the error and another has a budget, the error wins.
+ */
+export function layerDetail(clouds: Iterable<Pick<LayerCloud, 'detail'>>): Detail | null {
+  const asked = [...clouds].flatMap(({ detail }) => detail ?? []);
+  return asked.length > 0 ? asked.reduce(finerOf) : null;
+}
+
+function finerOf(a: Detail, b: Detail): Detail {
+  const [first, second] = [a, b].map(rankOf);
+  if (first !== second) return first < second ? a : b;
+  if (typeof a === 'string') return a;
+  const other = b as Limits;
+  const limits = Object.entries(a).flatMap(([name, own]) => {
+    const limit = other[name];
+    if (own === undefined || limit === undefined) return [];
+    return [[name, name === 'maxErrorPx' ? Math.min(own, limit) : Math.max(own, limit)]];
+  });
+  if (limits.length > 0) return Object.fromEntries(limits);
+  const named = ['maxErrorPx', 'maxShare', 'maxSplats'].find(
+    (name) => ((a as Limits)[name] ?? other[name]) !== undefined,
+  )!;
+  return other[named] === undefined ? a : b;
+}
+
+function rankOf(detail: Detail): number {
+  if (detail === 'full') return 0;
+  if (detail === 'auto') return 4;
+  const { minPsnrDb, maxFrameMs } = detail as Limits;
+  return minPsnrDb !== undefined ? 1 : maxFrameMs !== undefined ? 3 : 2;
+}
+
+/** Numbers that limit a detail, as far as it has them. */
+type Limits = Partial<Record<string, number>>;

@@ -1,22 +1,13 @@
 // Code for shadows that splats cast and receive, as few scenes have.
-import { type CloudInstance, isAccuracyTarget, type SplatEngine } from '@websplatter/core';
+import { isAccuracyTarget, type SplatEngine } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
-import { vec3 } from 'three/tsl';
-import {
-  type Camera,
-  MeshLambertNodeMaterial,
-  type Object3D,
-  type PointLight,
-  type Scene,
-  type WebGPURenderer,
-} from 'three/webgpu';
-import { findSplatEngine, splatDetailOf } from '../renderer/adopt-renderer.ts';
+import type { Camera, Object3D, PointLight, Scene, WebGPURenderer } from 'three/webgpu';
+import { findSplatEngine } from '../renderer/adopt-renderer.ts';
 import { type OpenPass, openPass } from '../renderer/three-bridge.ts';
 import { SceneShadows } from '../scene/scene-shadows.ts';
 import { DepthLayerMaterial } from './depth-material.ts';
-import type { FrameUse, LayerCloud } from './layer-cloud.ts';
-import { layerDetail } from './layer-detail.ts';
-import { accuracyOf, engineCamera, instanceOf } from './layer-request.ts';
+import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
+import { accuracyOf, effectsIn, instanceOf, prepareView } from './layer-request.ts';
 import { LayerViews } from './layer-view.ts';
 import { ViewportTriangle } from './viewport-triangle.ts';
 
@@ -29,22 +20,18 @@ export interface ShadowedLayer extends Object3D {
   reportDrawing(error: unknown): void;
 }
 
-/** Counts how often three has drawn each shadow map, by its camera. */
-const timesDrawn = new WeakMap<Camera, number>();
-
 /** The part of a layer's clouds in shadows, that of one layer. */
 export class LayerShadows {
   readonly #layer: ShadowedLayer;
   readonly #caster: ShadowCaster;
-  readonly #lit = new LitTriangle();
-  readonly #scene = new SceneShadows(timesDrawn);
+  readonly #received = new SceneShadows();
   /** Whether shadow maps may lack what the clouds show now. */
   #areMapsOld = false;
 
   constructor(layer: ShadowedLayer) {
     this.#layer = layer;
     this.#caster = new ShadowCaster(layer);
-    for (const child of [this.#caster, this.#lit]) {
+    for (const child of [this.#caster, this.#received.lit]) {
       child.matrixWorld = layer.matrixWorld;
       child.visible = false;
       layer.add(child);
@@ -68,7 +55,7 @@ export class LayerShadows {
     );
     if (!this.#caster.visible) this.#caster.views.destroyAll();
     this.#show(
-      this.#lit,
+      this.#received.lit,
       clouds.some(({ receiveShadow }) => receiveShadow),
     );
     const { parent } = this.#layer;
@@ -90,38 +77,14 @@ export class LayerShadows {
 
   /** Returns the effect that shadows have on clouds that receive them; null without any. */
   effectIn(renderer: WebGPURenderer, scene: Scene): EffectUse | null {
-    return this.#lit.visible ? this.#scene.effectIn(renderer, scene) : null;
+    return this.#received.effectIn(renderer, scene);
   }
 
   dispose(): void {
-    for (const { material, geometry } of [this.#caster, this.#lit]) {
-      material.dispose();
-      geometry.dispose();
-    }
+    this.#caster.material.dispose();
+    this.#caster.geometry.dispose();
     this.#caster.views.destroyAll();
-    this.#scene.dispose();
-  }
-}
-
-/**
- * A lit object without pixels: three draws shadow maps only for lit objects that receive shadows,
- * before it draws them. It is opaque, and so comes before all splats.
- */
-class LitTriangle extends ViewportTriangle<MeshLambertNodeMaterial> {
-  constructor() {
-    const material = new MeshLambertNodeMaterial();
-    material.normalNode = vec3(0, 0, 1);
-    material.colorWrite = false;
-    material.depthWrite = false;
-    super(material, 0);
-    this.count = 0;
-    this.receiveShadow = true;
-    // To be told of each shadow map.
-    this.castShadow = true;
-  }
-
-  override onBeforeShadow(_renderer: unknown, _object: unknown, camera: Camera): void {
-    timesDrawn.set(camera, (timesDrawn.get(camera) ?? 0) + 1);
+    this.#received.dispose();
   }
 }
 
@@ -161,40 +124,33 @@ class ShadowCaster extends ViewportTriangle<DepthLayerMaterial> {
 
   /** Returns whether there is depth to show. */
   #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, scene: Scene): boolean {
-    const { camera, widthPx, heightPx, host } = pass.parts[0];
+    const { camera, host } = pass.parts[0];
     const view = this.views.use(renderer, camera, pass.target, () => {
       const embedded = engine.createEmbeddedView();
       embedded.onReady = () => this.#layer.requestFrame();
       return embedded;
     });
-    const place = { renderer, scene, camera };
     const casting = this.#layer
       .shownClouds()
       .filter((cloud) => cloud.castShadow && cloud.layers.test(camera.layers));
     const nowMs = performance.now();
-    const drawn = casting.flatMap((object) => {
-      const effects = object
-        .effectsAt(nowMs, scene, camera)
-        ?.map((use: FrameUse) => use.inFrame?.({ ...place, object }) ?? use)
-        // Nobody sees the colours.
-        .filter(({ hooks }) => hooks.splat !== undefined || hooks.opacity !== undefined);
+    const drawn = new Map<LayerCloud, DrawnCloud>();
+    for (const object of casting) {
+      // Nobody sees the colours.
+      const effects = effectsIn({ renderer, scene, camera, object, nowMs })?.filter(
+        ({ hooks }) => hooks.splat !== undefined || hooks.opacity !== undefined,
+      );
       const instance = instanceOf(object, engine, effects);
-      return instance ? [{ object, instance: { ...instance, shDegree: 0 } as const }] : [];
-    });
+      if (instance) drawn.set(object, { ...instance, shDegree: 0 });
+    }
     const accuracy = accuracyOf(casting);
     const { embedded } = view;
-    const isReady = embedded.prepare({
-      camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
-      clouds: drawn.map(({ instance }): CloudInstance => instance),
-      widthPx,
-      heightPx,
-      depth: pass.depth,
+    const isReady = prepareView(view, pass, pass.parts[0], drawn, {
       // The depth test of this object hides what is behind meshes.
       hasOccluders: false,
       writesDepth: true,
       // A shadow is no outcome to measure.
       accuracy: accuracy && isAccuracyTarget(accuracy) ? undefined : accuracy,
-      detail: layerDetail(drawn.map(({ instance }) => instance)) ?? splatDetailOf(renderer),
       fade: this.#layer.alone?.drawnFade,
     });
     if (!isReady) return false;

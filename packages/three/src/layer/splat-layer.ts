@@ -1,6 +1,7 @@
 import {
   type AccuracySettings,
   DestroyedError,
+  type EmbeddedFrameRequest,
   isAccuracyTarget,
   type PossibleAccuracy,
   ShaderError,
@@ -20,15 +21,14 @@ import {
   type WebGPURenderer,
 } from 'three/webgpu';
 import { SplatsPrecisionError } from '../errors.ts';
-import { adoptRenderer, findSplatEngine, splatDetailOf } from '../renderer/adopt-renderer.ts';
+import { adoptRenderer, findSplatEngine } from '../renderer/adopt-renderer.ts';
 import { paceAnimationLoop } from '../renderer/loop-pace.ts';
 import { reportStageTimings } from '../renderer/stage-timings.ts';
-import { type OpenPass, openPass, PassRefusal } from '../renderer/three-bridge.ts';
-import type { DrawnCloud, FrameUse, LayerCloud } from './layer-cloud.ts';
-import { layerDetail } from './layer-detail.ts';
+import { type OpenPass, openPass, type PassPart, PassRefusal } from '../renderer/three-bridge.ts';
+import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
 import type { LayerOutputs } from './layer-outputs.ts';
-import { accuracyOf, engineCamera, instanceOf } from './layer-request.ts';
+import { accuracyOf, effectsIn, instanceOf, prepareView } from './layer-request.ts';
 import type { LayerShadows } from './layer-shadows.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
 import { ViewportTriangle } from './viewport-triangle.ts';
@@ -85,10 +85,9 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   readonly #depthTriangle: ViewportTriangle<Material>;
   /** Depth and further outputs of the layer; null until they are needed and their code is loaded. */
   #outputs: LayerOutputs | null = null;
-  #outputsLoading: Promise<void> | null = null;
   /** Shadows of the clouds; null until a cloud has some and their code is loaded. */
   #shadows: LayerShadows | null = null;
-  #shadowsLoading: Promise<void> | null = null;
+  readonly #loading = new Set<string>();
   readonly #reported = new Set<string>();
   readonly #precisionErrors = new Map<string, SplatsPrecisionError>();
   /** Renderers whose engine is awaited to request a frame. */
@@ -189,14 +188,29 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
     if (depthWrite) this.#loadOutputs();
     this.#depthTriangle.visible = depthWrite && !!this.#outputs;
-    if (hasShadows) this.#loadShadows();
+    if (hasShadows)
+      this.#load(
+        'shadows',
+        () => import('./layer-shadows.ts'),
+        ({ LayerShadows }) => {
+          this.#shadows = new LayerShadows(this);
+        },
+      );
     this.#shadows?.arrange();
   }
 
   override onBeforeRender(renderer: object, scene: Scene, camera: Camera): void {
     // Drawn below, once the material has an image per camera: three cannot draw it otherwise.
     this.count = this.#depthTriangle.count = 0;
-    const open = (camera as ArrayCamera).isArrayCamera ? (openArrayPass ?? this.#loadArrayPass()) : openPass;
+    const open = (camera as ArrayCamera).isArrayCamera ? openArrayPass : openPass;
+    if (!open)
+      this.#load(
+        'cameras',
+        () => import('./several-cameras.ts'),
+        (loaded) => {
+          openArrayPass = loaded.openArrayPass;
+        },
+      );
     // Passes with an override material are about meshes: shadows, normals, depth.
     if (!open || scene.overrideMaterial) return;
     try {
@@ -224,17 +238,6 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     );
   }
 
-  #loadArrayPass(): null {
-    import('./several-cameras.ts').then(
-      (loaded) => {
-        openArrayPass = loaded.openArrayPass;
-        this.requestFrame();
-      },
-      (error) => this.#report(error),
-    );
-    return null;
-  }
-
   /** @internal */
   requestFrame(): void {
     for (const cloud of this.#clouds) cloud.requestFrame();
@@ -244,98 +247,8 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     const nowMs = performance.now();
     const shown = this.shownClouds();
     if (shown.length === 0) return;
-    const shadows = this.#shadows?.effectIn(renderer, scene);
-    /** Finds and sorts the splats that a camera sees; null if there is nothing to draw. */
-    const views = pass.parts.map(({ camera, widthPx, heightPx }) => {
-      const view: LayerView = this.views.use(renderer, camera, pass.target, () => {
-        const embedded = engine.createEmbeddedView();
-        embedded.onReady = () => this.requestFrame();
-        embedded.onFault = (error, clouds) => {
-          const concerned = [...this.#clouds].filter((cloud) => clouds.includes(cloud.uploadedTo(engine)!));
-          this.#report(error, concerned);
-        };
-        embedded.onAccuracyChosen = (choice) => {
-          for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
-        };
-        embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
-        return embedded;
-      });
-      const { embedded } = view;
-      if (renderer.getMRT()) this.#loadOutputs();
-      // Keep the present image until the outputs are loaded.
-      if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
-      const wantedOf = (object: LayerCloud) => {
-        const place = { renderer, scene, camera, object };
-        const given = object.effectsAt(nowMs, scene, camera);
-        const effects = given?.map((use: FrameUse) => use.inFrame?.(place) ?? use);
-        if (!object.receiveShadow) return instanceOf(object, engine, effects);
-        return instanceOf(object, engine, effects && this.#shadows && withShadows(effects, shadows));
-      };
-      const isReady = (wanted: Clouds, width = widthPx, fade = this.alone?.drawnFade) => {
-        const clouds = [...wanted.values()];
-        return embedded.prepare({
-          camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
-          clouds,
-          widthPx: width,
-          heightPx,
-          depth: pass.depth,
-          hasOccluders: pass.hasOccluders,
-          writesDepth: [...wanted.keys()].some(({ depthWrite }) => depthWrite),
-          accuracy: accuracyOf(clouds),
-          detail: layerDetail(clouds) ?? splatDetailOf(renderer),
-          fade,
-        });
-      };
-      /** Prepares a frame; `refused` clouds stay as they were in the last frame. */
-      const prepare = (refused: readonly LayerCloud[] = []) => {
-        const isRefused = (object: LayerCloud) => refused.includes(object);
-        const { settings, notices } = planesFor(
-          shown.filter((object) => !isRefused(object)),
-          engine,
-        );
-        for (const notice of notices) this.#report(this.#precisionError(notice));
-        const clouds: Clouds = new Map();
-        /**
-         * The clouds of the last frame, which stay while others are uploaded and shaders for them
-         * compile.
-         */
-        const lasting: Clouds = new Map();
-        for (const object of shown) {
-          if (!object.layers.test(camera.layers)) continue;
-          const wanted = isRefused(object) ? null : wantedOf(object);
-          if (wanted) object.hold(engine, settings);
-          const last = view.clouds.get(object);
-          const before = last?.cloud === wanted?.cloud ? wanted : last;
-          if (object.data && before && !before.cloud.isDestroyed) lasting.set(object, before);
-          const drawn = wanted ?? lasting.get(object);
-          if (drawn) clouds.set(object, drawn);
-        }
-        // Keeps the picture of the layer that the cloud leaves, while the shader of the fade compiles.
-        if (this.alone?.isDrawn && view.clouds.size === 0) isReady(clouds, widthPx, 1);
-        return isReady(clouds) ? clouds : isReady(lasting) ? lasting : null;
-      };
-      const isValid = (object: LayerCloud) => {
-        try {
-          const wanted = wantedOf(object);
-          // Without pixels, options are checked and nothing is prepared.
-          if (wanted) isReady(new Map([[object, wanted]]), 0);
-          return true;
-        } catch (error) {
-          this.#report(error, [object]);
-          return false;
-        }
-      };
-      let drawn: Clouds | null;
-      try {
-        drawn = prepare();
-      } catch (error) {
-        const refused = shown.filter((object) => !isValid(object));
-        if (refused.length === 0) throw error;
-        drawn = prepare(refused);
-      }
-      if (drawn) view.clouds = drawn;
-      return drawn && view;
-    });
+    const place = { renderer, scene, nowMs, shadows: this.#shadows?.effectIn(renderer, scene) };
+    const views = pass.parts.map((part) => this.#prepareView(part, pass, place, engine, shown));
     if (!views.some(Boolean)) return;
     paceAnimationLoop(renderer, engine.device.queue);
     pass.interrupt((part, encoder) => {
@@ -362,32 +275,117 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     if (pass.parts.some(({ host }) => !host.writesColor)) this.count = 1;
   }
 
+  /** Has a view find and sort the splats that its camera sees; null if there is nothing to draw. */
+  #prepareView(
+    part: PassPart,
+    pass: OpenPass,
+    place: PassPlace,
+    engine: SplatEngine,
+    shown: readonly LayerCloud[],
+  ): LayerView | null {
+    const { renderer, shadows } = place;
+    const view: LayerView = this.views.use(renderer, part.camera, pass.target, () => {
+      const embedded = engine.createEmbeddedView();
+      embedded.onReady = () => this.requestFrame();
+      embedded.onFault = (error, clouds) => {
+        const concerned = [...this.#clouds].filter((cloud) => clouds.includes(cloud.uploadedTo(engine)!));
+        this.#report(error, concerned);
+      };
+      embedded.onAccuracyChosen = (choice) => {
+        for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
+      };
+      embedded.onStatistics = (statistics) => reportStageTimings(renderer, statistics);
+      return embedded;
+    });
+    if (renderer.getMRT()) this.#loadOutputs();
+    // Keep the present image until the outputs are loaded.
+    if (this.#loading.has('outputs') && !this.#outputs && view.clouds.size === 0) return null;
+    const wantedOf = (object: LayerCloud) => {
+      const effects = effectsIn({ ...place, camera: part.camera, object });
+      if (object.receiveShadow) {
+        // Their code is on its way.
+        if (!this.#shadows) return null;
+        if (shadows && !effects?.some(({ effect }) => effect === shadows.effect)) effects?.push(shadows);
+      }
+      return instanceOf(object, engine, effects);
+    };
+    const isReady = (clouds: Clouds, other?: Partial<EmbeddedFrameRequest>) =>
+      prepareView(view, pass, part, clouds, { fade: this.alone?.drawnFade, ...other });
+    /** Returns the clouds that can be drawn now. `refused` clouds stay as they were in the last frame. */
+    const prepare = (refused: readonly LayerCloud[] = []) => {
+      const accepted = shown.filter((object) => !refused.includes(object));
+      const { settings, notices } = planesFor(accepted, engine);
+      for (const notice of notices) {
+        // One error for each notice: every frame has the same ones.
+        const error = this.#precisionErrors.get(notice) ?? new SplatsPrecisionError(new Error(notice));
+        this.#precisionErrors.set(notice, error);
+        this.#report(error);
+      }
+      const clouds: Clouds = new Map();
+      // The clouds of the last frame, which stay while others are uploaded and shaders for them compile.
+      const lasting: Clouds = new Map();
+      for (const object of shown) {
+        if (!object.layers.test(part.camera.layers)) continue;
+        const wanted = refused.includes(object) ? null : wantedOf(object);
+        if (wanted) object.hold(engine, settings);
+        const last = view.clouds.get(object);
+        const before = last?.cloud === wanted?.cloud ? wanted : last;
+        if (object.data && before && !before.cloud.isDestroyed) lasting.set(object, before);
+        const drawn = wanted ?? lasting.get(object);
+        if (drawn) clouds.set(object, drawn);
+      }
+      // Keeps the picture of the layer that the cloud leaves, while the shader of the fade compiles.
+      if (this.alone?.isDrawn && view.clouds.size === 0) isReady(clouds, { fade: 1 });
+      return isReady(clouds) ? clouds : isReady(lasting) ? lasting : null;
+    };
+    const isRefused = (object: LayerCloud) => {
+      try {
+        const wanted = wantedOf(object);
+        // Without pixels, options are checked and nothing is prepared.
+        if (wanted) isReady(new Map([[object, wanted]]), { widthPx: 0 });
+        return false;
+      } catch (error) {
+        this.#report(error, [object]);
+        return true;
+      }
+    };
+    let drawn: Clouds | null;
+    try {
+      drawn = prepare();
+    } catch (error) {
+      const refused = shown.filter(isRefused);
+      if (refused.length === 0) throw error;
+      drawn = prepare(refused);
+    }
+    if (drawn) view.clouds = drawn;
+    return drawn && view;
+  }
+
   #loadOutputs(): void {
-    this.#outputsLoading ??= import('./layer-outputs.ts').then(
+    this.#load(
+      'outputs',
+      () => import('./layer-outputs.ts'),
       ({ LayerOutputs }) => {
         this.material.dispose();
         this.#outputs = new LayerOutputs();
         this.material = this.#outputs.colorMaterial;
         this.#depthTriangle.material = this.#outputs.depthMaterial;
-        this.#arrange();
-        this.requestFrame();
-      },
-      (error) => {
-        this.#outputsLoading = null;
-        this.#report(error);
       },
     );
   }
 
-  #loadShadows(): void {
-    this.#shadowsLoading ??= import('./layer-shadows.ts').then(
-      ({ LayerShadows }) => {
-        this.#shadows = new LayerShadows(this);
+  /** Fetches code that few layers need, unless it is on its way; tries again after a failure. */
+  #load<Code>(name: string, fetchCode: () => Promise<Code>, use: (code: Code) => void): void {
+    if (this.#loading.has(name)) return;
+    this.#loading.add(name);
+    fetchCode().then(
+      (code) => {
+        use(code);
         this.#arrange();
         this.requestFrame();
       },
       (error) => {
-        this.#shadowsLoading = null;
+        this.#loading.delete(name);
         this.#report(error);
       },
     );
@@ -421,23 +419,15 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     else if (!(error instanceof DestroyedError)) this.#report(error);
   }
 
-  /** Returns one error for each notice: every frame has the same ones. */
-  #precisionError(notice: string): SplatsPrecisionError {
-    const error = this.#precisionErrors.get(notice) ?? new SplatsPrecisionError(new Error(notice));
-    this.#precisionErrors.set(notice, error);
-    return error;
-  }
-
   /**
    * Passes an error once to each of the `clouds` that cannot be drawn because of it, and without listeners
    * to the console. Errors of shaders go there, too, for their authors. Does not throw: three would abandon
    * this frame and every later one.
    */
   #report(error: unknown, clouds: Iterable<LayerCloud> = this.#clouds): void {
-    let hasListener = false;
-    for (const cloud of clouds) hasListener = cloud.tell(error) || hasListener;
+    const listening = [...clouds].filter((cloud) => cloud.tell(error));
     const text = String(error);
-    if ((hasListener && !(error instanceof ShaderError)) || this.#reported.has(text)) return;
+    if ((listening.length > 0 && !(error instanceof ShaderError)) || this.#reported.has(text)) return;
     this.#reported.add(text);
     console.error(error);
   }
@@ -446,13 +436,13 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
 /** Clouds in the scene, and how a frame has them. */
 type Clouds = Map<LayerCloud, DrawnCloud>;
 
-/** Adds the scene's shadows to a cloud's effects, unless it has its own. */
-function withShadows(
-  effects: readonly EffectUse[],
-  shadows: EffectUse | null | undefined,
-): readonly EffectUse[] {
-  const isIn = effects.some(({ effect }) => effect === shadows?.effect);
-  return shadows && !isIn ? [...effects, shadows] : effects;
+/** Where and when the cameras of a pass draw. */
+interface PassPlace {
+  readonly renderer: WebGPURenderer;
+  readonly scene: Scene;
+  readonly nowMs: number;
+  /** Null or undefined if no light has shadows. */
+  readonly shadows: EffectUse | null | undefined;
 }
 
 /** Whether `object` and all of its ancestors are visible. */

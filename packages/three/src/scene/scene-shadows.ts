@@ -1,5 +1,6 @@
 import type { DepthConvention } from '@websplatter/core';
 import { type EffectUse, type ShadowLight, shadows } from '@websplatter/core/effects';
+import { vec3 } from 'three/tsl';
 import {
   type AmbientLight,
   type Camera,
@@ -8,11 +9,13 @@ import {
   type HemisphereLight,
   type Light,
   MathUtils,
+  MeshLambertNodeMaterial,
   type Scene,
   type SpotLight,
   type WebGPURenderer,
 } from 'three/webgpu';
 import { engineCamera } from '../layer/layer-request.ts';
+import { ViewportTriangle } from '../layer/viewport-triangle.ts';
 import { splatEngineOf } from '../renderer/adopt-renderer.ts';
 import type { RendererInternals, TextureData } from '../renderer/three-bridge.ts';
 import { coneOf, environmentIrradiance, irradianceOf, lightsIn } from './scene-lights.ts';
@@ -20,31 +23,53 @@ import { coneOf, environmentIrradiance, irradianceOf, lightsIn } from './scene-l
 /** Most lights whose shadows one cloud receives. */
 const MOST_LIGHTS = 4;
 
+/** Counts how often three has drawn each shadow map, by its camera. */
+const timesDrawn = new WeakMap<Camera, number>();
+
+/**
+ * A lit object without pixels: three draws shadow maps only for lit objects that receive shadows,
+ * before it draws them. It is opaque, and so comes before all splats.
+ */
+class LitTriangle extends ViewportTriangle<MeshLambertNodeMaterial> {
+  constructor() {
+    const material = new MeshLambertNodeMaterial();
+    material.normalNode = vec3(0, 0, 1);
+    material.colorWrite = false;
+    material.depthWrite = false;
+    super(material, 0);
+    this.count = 0;
+    this.receiveShadow = true;
+    // To be told of each shadow map.
+    this.castShadow = true;
+  }
+
+  override onBeforeShadow(_renderer: unknown, _object: unknown, camera: Camera): void {
+    timesDrawn.set(camera, (timesDrawn.get(camera) ?? 0) + 1);
+  }
+}
+
 /** The shadows of three's lights as an effect on splats. */
 export class SceneShadows {
-  readonly #timesDrawn: WeakMap<Camera, number>;
+  /** Has three draw shadow maps while it is visible. */
+  readonly lit = new LitTriangle();
   /** Whether there have been shadows: the effect stays then, so that no shader must be compiled. */
   #isHeld = false;
   #noMap: GPUTexture | null = null;
 
-  /** @param timesDrawn how often three has drawn a shadow map, by its camera. */
-  constructor(timesDrawn: WeakMap<Camera, number>) {
-    this.#timesDrawn = timesDrawn;
-  }
-
   /**
-   * Returns the effect of the visible lights' shadows; null if there never were any. Light without
-   * shadows counts as on a white surface that faces it: ambient, hemisphere and directional lights,
-   * and an environment as one of radiance 1.
+   * Returns the effect of the visible lights' shadows; null if there never were any, and while no cloud
+   * receives them. Light without shadows counts as on a white surface that faces it: ambient,
+   * hemisphere and directional lights, and an environment as one of radiance 1.
    */
   effectIn(renderer: WebGPURenderer, scene: Scene): EffectUse | null {
+    if (!this.lit.visible) return null;
     const lights: ShadowLight[] = [];
     const radiance = environmentIrradiance(scene);
     const steady = new Color(radiance, radiance, radiance);
     for (const light of lightsIn(scene)) {
       const found = lights.length < MOST_LIGHTS ? shadowLightOf(light, renderer) : null;
       if (found) {
-        const version = this.#timesDrawn.get((light as DirectionalLight).shadow.camera);
+        const version = timesDrawn.get((light as DirectionalLight).shadow.camera);
         lights.push({ ...found, version });
       } else addSteady(light, steady);
     }
@@ -55,6 +80,8 @@ export class SceneShadows {
   }
 
   dispose(): void {
+    this.lit.material.dispose();
+    this.lit.geometry.dispose();
     this.#noMap?.destroy();
     this.#noMap = null;
   }
