@@ -1,4 +1,3 @@
-import { given } from '../given.ts';
 import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { dropNonFinite } from './drop-non-finite.ts';
@@ -12,6 +11,5 @@ import type { CloudPrecision } from './precision.ts';
  * @hidden Shared with the packages beside this one.
  */
 export function packSet(set: SplatSet<Harmonics>, precision: CloudPrecision): PackedCloud {
-  const { geometryPrecision, shPrecision } = given(precision, {}, 'precision');
-  return packCloud(dropNonFinite(givenSet(set)), { geometryPrecision, shPrecision });
+  return packCloud(dropNonFinite(givenSet(set)), precision);
 }
