@@ -1,4 +1,4 @@
-import { replaceMethod } from './replace-method.ts';
+import { noteCalls, replaceMethod } from './replace-method.ts';
 
 /** Called around each pass and copy that anything on the page records. */
 export interface PassListener {
@@ -54,25 +54,9 @@ export function watchPasses(): PassWatch {
     return `${label || 'unnamed'}: ${[...colors, ...depths].join('; ')}`;
   };
 
-  replaceMethod(
-    GPUTexture.prototype,
-    'createView',
-    (createView) =>
-      function (this: GPUTexture, descriptor) {
-        const view = createView.call(this, descriptor);
-        textures.set(view, this);
-        return view;
-      },
-  );
-  replaceMethod(
-    GPUCanvasContext.prototype,
-    'getCurrentTexture',
-    (getCurrentTexture) =>
-      function (this: GPUCanvasContext) {
-        const texture = getCurrentTexture.call(this);
-        canvasTextures.add(texture);
-        return texture;
-      },
+  noteCalls(GPUTexture.prototype, 'createView', (texture, _args, view) => textures.set(view, texture));
+  noteCalls(GPUCanvasContext.prototype, 'getCurrentTexture', (_context, _args, texture) =>
+    canvasTextures.add(texture),
   );
   const begin = <Pass extends object>(
     encoder: GPUCommandEncoder,
@@ -107,18 +91,12 @@ export function watchPasses(): PassWatch {
         return begin(this, name, () => beginPass.call(this, descriptor));
       },
   );
-  for (const prototype of [GPURenderPassEncoder.prototype, GPUComputePassEncoder.prototype])
-    replaceMethod(
-      prototype,
-      'end',
-      (end) =>
-        function (this: object) {
-          end.call(this as never);
-          const pass = begun.get(this);
-          if (pass) watch.listener?.after(pass.encoder, pass.number);
-          return undefined;
-        },
-    );
+  const ended = (pass: object) => {
+    const noted = begun.get(pass);
+    if (noted) watch.listener?.after(noted.encoder, noted.number);
+  };
+  noteCalls(GPURenderPassEncoder.prototype, 'end', ended);
+  noteCalls(GPUComputePassEncoder.prototype, 'end', ended);
   for (const copy of COPIES)
     replaceMethod(
       GPUCommandEncoder.prototype as unknown as Record<string, (...args: unknown[]) => void>,

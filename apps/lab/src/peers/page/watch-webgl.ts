@@ -1,15 +1,8 @@
 import type { ByteLedger } from './byte-ledger.ts';
-import { replaceMethod } from './replace-method.ts';
+import { noteCalls } from './replace-method.ts';
 import { webglTexelBytes } from './texture-bytes.ts';
 
 type Gl = WebGL2RenderingContext;
-type BufferDataArguments = [
-  target: number,
-  data: number | AllowSharedBufferSource | null,
-  usage: number,
-  offset?: number,
-  length?: number,
-];
 
 /** Wraps WebGL 2: counts the bytes of buffers, textures and renderbuffers. */
 export function watchWebGl(ledger: ByteLedger): void {
@@ -38,95 +31,44 @@ export function watchWebGl(ledger: ByteLedger): void {
   const texture = (context: Gl, target: number) =>
     context.getParameter(textureBindings.get(target) ?? gl.TEXTURE_BINDING_CUBE_MAP);
 
-  replaceMethod(
-    gl,
-    'bufferData',
-    (bufferData) =>
-      function (this: Gl, ...args: BufferDataArguments) {
-        const [target, data, , , length] = args;
-        const bytes = typeof data === 'number' ? data : (data?.byteLength ?? 0);
-        note(buffer(this, target), length ? length * (data as Uint8Array).BYTES_PER_ELEMENT : bytes);
-        return bufferData.apply(this, args as never);
-      } as Gl['bufferData'],
-  );
+  // biome-ignore lint/suspicious/noExplicitAny: overloads, of which types know the last alone
+  const watch = (name: keyof Gl, noted: (context: Gl, ...args: any[]) => void) =>
+    noteCalls(gl as unknown as Record<string, (...args: unknown[]) => void>, name, (context, args) =>
+      noted(context as unknown as Gl, ...args),
+    );
   const sizeOf = (context: Gl, format: number, sizes: readonly number[], type?: number) =>
     sizes.reduce((product, size) => product * size, webglTexelBytes(context, format, type));
-  replaceMethod(
-    gl,
-    'texImage2D',
-    (texImage2D) =>
-      function (this: Gl, ...args: number[]) {
-        const [target, level, format, width, height, , , type] = args;
-        // Short forms take their size from an image; splat renderers do not use them for splats.
-        if (args.length >= 9)
-          note(
-            texture(this, target),
-            sizeOf(this, format, [width, height], type),
-            `${target} level ${level}`,
-          );
-        return texImage2D.apply(this, args as never);
-      } as Gl['texImage2D'],
+  watch('bufferData', (context, target, data, _usage, _offset, length) => {
+    const bytes = typeof data === 'number' ? data : (data?.byteLength ?? 0);
+    note(buffer(context, target), length ? length * data.BYTES_PER_ELEMENT : bytes);
+  });
+  watch('texImage2D', (context, target, level, format, width, height, _border, _format, type, ...pixels) => {
+    // Short forms take their size from an image; splat renderers do not use them for splats.
+    if (pixels.length > 0)
+      note(
+        texture(context, target),
+        sizeOf(context, format, [width, height], type),
+        `${target} level ${level}`,
+      );
+  });
+  watch('texImage3D', (context, target, level, format, width, height, depth, _border, _format, type) => {
+    const bytes = sizeOf(context, format, [width, height, depth], type);
+    note(texture(context, target), bytes, `${target} level ${level}`);
+  });
+  watch('texStorage2D', (context, target, levels, format, width, height) =>
+    note(texture(context, target), withLevels(levels) * sizeOf(context, format, [width, height])),
   );
-  replaceMethod(
-    gl,
-    'texImage3D',
-    (texImage3D) =>
-      function (this: Gl, ...args: number[]) {
-        const [target, level, format, width, height, depth, , , type] = args;
-        note(
-          texture(this, target),
-          sizeOf(this, format, [width, height, depth], type),
-          `${target} level ${level}`,
-        );
-        return texImage3D.apply(this, args as never);
-      } as Gl['texImage3D'],
+  watch('texStorage3D', (context, target, levels, format, width, height, depth) =>
+    note(texture(context, target), withLevels(levels) * sizeOf(context, format, [width, height, depth])),
   );
-  replaceMethod(
-    gl,
-    'texStorage2D',
-    (texStorage2D) =>
-      function (this: Gl, target, levels, format, width, height) {
-        note(texture(this, target), withLevels(levels) * sizeOf(this, format, [width, height]));
-        return texStorage2D.call(this, target, levels, format, width, height);
-      },
+  watch('renderbufferStorage', (context, _target, format, width, height) =>
+    note(context.getParameter(gl.RENDERBUFFER_BINDING), sizeOf(context, format, [width, height])),
   );
-  replaceMethod(
-    gl,
-    'texStorage3D',
-    (texStorage3D) =>
-      function (this: Gl, target, levels, format, width, height, depth) {
-        note(texture(this, target), withLevels(levels) * sizeOf(this, format, [width, height, depth]));
-        return texStorage3D.call(this, target, levels, format, width, height, depth);
-      },
-  );
-  replaceMethod(
-    gl,
-    'renderbufferStorage',
-    (renderbufferStorage) =>
-      function (this: Gl, target, format, width, height) {
-        note(this.getParameter(gl.RENDERBUFFER_BINDING), sizeOf(this, format, [width, height]));
-        return renderbufferStorage.call(this, target, format, width, height);
-      },
-  );
-  replaceMethod(
-    gl,
-    'renderbufferStorageMultisample',
-    (renderbufferStorage) =>
-      function (this: Gl, target, samples, format, width, height) {
-        note(this.getParameter(gl.RENDERBUFFER_BINDING), sizeOf(this, format, [samples, width, height]));
-        return renderbufferStorage.call(this, target, samples, format, width, height);
-      },
+  watch('renderbufferStorageMultisample', (context, _target, samples, format, width, height) =>
+    note(context.getParameter(gl.RENDERBUFFER_BINDING), sizeOf(context, format, [samples, width, height])),
   );
   for (const name of ['deleteBuffer', 'deleteTexture', 'deleteRenderbuffer'] as const)
-    replaceMethod(
-      gl as Record<typeof name, (object: object | null) => void>,
-      name,
-      (destroy) =>
-        function (this: Gl, object: object | null) {
-          if (object) ledger.delete(object);
-          destroy.call(this, object);
-        },
-    );
+    watch(name, (_context, object) => object && ledger.delete(object));
 }
 
 /** A full chain of levels adds a third. */

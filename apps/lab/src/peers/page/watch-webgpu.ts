@@ -1,6 +1,6 @@
 import type { ByteLedger } from './byte-ledger.ts';
 import type { GpuTime } from './gpu-time.ts';
-import { replaceMethod } from './replace-method.ts';
+import { noteCalls, replaceMethod } from './replace-method.ts';
 import { textureBytes } from './texture-bytes.ts';
 
 /** A GPU process that has just started may have no adapter yet: seen on an NVIDIA H200. */
@@ -58,44 +58,14 @@ export function watchWebGpu(ledger: ByteLedger, complain: (problem: string) => v
         return device;
       },
   );
-  replaceMethod(
-    GPUDevice.prototype,
-    'createBuffer',
-    (createBuffer) =>
-      function (this: GPUDevice, descriptor) {
-        const buffer = createBuffer.call(this, descriptor);
-        ledger.set(buffer, descriptor.size);
-        return buffer;
-      },
+  noteCalls(GPUDevice.prototype, 'createBuffer', (_device, [{ size }], buffer) => ledger.set(buffer, size));
+  noteCalls(GPUDevice.prototype, 'createTexture', (_device, _args, texture) =>
+    ledger.set(texture, textureBytes(texture)),
   );
-  replaceMethod(
-    GPUDevice.prototype,
-    'createTexture',
-    (createTexture) =>
-      function (this: GPUDevice, descriptor) {
-        const texture = createTexture.call(this, descriptor);
-        ledger.set(texture, textureBytes(texture));
-        return texture;
-      },
-  );
-  for (const prototype of [GPUBuffer.prototype, GPUTexture.prototype])
-    replaceMethod(
-      prototype,
-      'destroy',
-      (destroy) =>
-        function (this: object) {
-          ledger.delete(this);
-          return destroy.call(this as never);
-        },
-    );
-  replaceMethod(
-    GPUCanvasContext.prototype,
-    'configure',
-    (configure) =>
-      function (this: GPUCanvasContext, configuration) {
-        devices.set(this.canvas, configuration.device);
-        return configure.call(this, configuration);
-      },
+  noteCalls(GPUBuffer.prototype, 'destroy', (buffer) => ledger.delete(buffer));
+  noteCalls(GPUTexture.prototype, 'destroy', (texture) => ledger.delete(texture));
+  noteCalls(GPUCanvasContext.prototype, 'configure', ({ canvas }, [{ device }]) =>
+    devices.set(canvas, device),
   );
   replaceMethod(
     GPUQueue.prototype,
