@@ -1,5 +1,4 @@
-import type { PlacedBrick, PlacedCell } from '../clouds/bricks/brick-pool.ts';
-import type { PoolSlots } from '../clouds/bricks/pool-slots.ts';
+import type { PlacedBrick, PlacedCell, PoolSlots } from '../clouds/bricks/brick-pool.ts';
 import type { Brick, BrickAddress } from '../data/bricks/brick.ts';
 
 /** Room for bricks, without a GPU. */

@@ -22,6 +22,7 @@ import type { Pipelines } from '../gpu/pipelines.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
+import { DrawnStreams } from './drawn-streams.ts';
 import type { MovingFrame } from './frame-pace.ts';
 import { FrameWait, lackingLevels, type WaitReason } from './frame-wait.ts';
 import { MemoryRecovery } from './memory-recovery.ts';
@@ -29,7 +30,6 @@ import type { CutFinders } from './psnr-promise.ts';
 import { RasterizerChoice, type RasterizerChoiceOptions } from './rasterizer-choice.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 import type { DetailReport, ViewDetail } from './view-detail.ts';
-import { ViewStreams } from './view-streams.ts';
 
 /** The services of an engine that a view needs. */
 export interface ViewContext extends AccuracyContext, Required<PlannerContext> {
@@ -113,7 +113,7 @@ export class ViewFrames {
   parts: FrameParts;
   readonly recovery: MemoryRecovery;
   readonly wait: FrameWait;
-  readonly streams = new ViewStreams();
+  readonly streams = new DrawnStreams();
   readonly accuracy: ViewAccuracy;
   readonly planner: FramePlanner;
   /** Chooses the faster rasteriser for the setting `auto`. */

@@ -22,7 +22,7 @@ import { drawComplete, lookFrom, SIZE } from '../../testing/look-at-streams.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { makeRayTree } from '../rays/rays.ts';
-import { poolBytes } from './pool-slots.ts';
+import { poolBytes } from './brick-pool.ts';
 
 describe('a streamed scene', () => {
   const set = randomSplats({ count: 24_000, seed: 2, shDegree: 0, logScales: [-7, -4] });

@@ -2,12 +2,12 @@ import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { BLOB_PRECISION } from '../../data/packing/precision.ts';
-import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
+import { chunksWithoutBounds, STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
-import { type CoarseSplats, chunksWithoutBounds } from '../stream/coarse-splats.ts';
-import type { PartLimit } from '../stream/frame-pace.ts';
+import type { CoarseSplats } from '../stream/cloud-stream.ts';
+import type { PartLimit } from '../stream/part-pace.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
-import type { Sights } from '../stream/stream-views.ts';
+import type { Sights } from '../stream/scene-viewers.ts';
 import {
   BrickPlan,
   DRAWN,
@@ -16,8 +16,7 @@ import {
   type ResidentBrick,
   type ValuedBrick,
 } from './brick-plan.ts';
-import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
-import { slotsFor } from './pool-slots.ts';
+import { type BrickPool, type PlacedBrick, type PlacedCell, slotsFor } from './brick-pool.ts';
 
 /** Most bytes of bricks, the root included, that are requested before the first picture. */
 const MOST_BYTES_AT_FIRST = 3 << 19;

@@ -19,8 +19,7 @@ import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
-import { BrickPool, type PlacedBrick, type PlacedCell } from './brick-pool.ts';
-import { slotBytes } from './pool-slots.ts';
+import { BrickPool, type PlacedBrick, type PlacedCell, slotBytes } from './brick-pool.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
 const isFull = process.env.WEBSPLATTER_FULL === '1';

@@ -6,7 +6,7 @@ import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
 import { sightFrom } from '../../testing/sight-from.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import { SceneStream } from '../stream/scene-stream.ts';
-import { SightMotion } from '../stream/sight-motion.ts';
+import { SightPrediction } from '../stream/sight-prediction.ts';
 import { BrickParts } from './brick-parts.ts';
 import { BrickPlan } from './brick-plan.ts';
 import type { BrickPool } from './brick-pool.ts';
@@ -137,7 +137,7 @@ async function follow(path: Path, slots: number) {
 
 /** The same, where nothing is predicted. */
 async function followBlindly(path: Path, slots: number) {
-  const predict = vi.spyOn(SightMotion.prototype, 'predict').mockReturnValue([]);
+  const predict = vi.spyOn(SightPrediction.prototype, 'predict').mockReturnValue([]);
   const found = await follow(path, slots);
   predict.mockRestore();
   return found;

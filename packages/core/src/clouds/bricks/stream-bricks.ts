@@ -1,10 +1,9 @@
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
+import { streamInto } from '../stream/scene-pool.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
-import { streamInto } from '../stream/stream-scene.ts';
 import { BrickParts } from './brick-parts.ts';
-import { BrickPool, rootStages } from './brick-pool.ts';
-import { poolBytes, roomFor, slotsFor } from './pool-slots.ts';
+import { BrickPool, poolBytes, roomFor, rootStages, slotsFor } from './brick-pool.ts';
 
 export { FIRST_STAGES } from '../stream/chunk-pages.ts';
 

@@ -5,7 +5,7 @@ import type { Brick, BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
-import { poolBytes } from './pool-slots.ts';
+import { poolBytes } from './brick-pool.ts';
 
 const FRAMES = 180;
 /** Frames of a round about the scene, of which the first makes all buffers that any needs. */

@@ -9,7 +9,7 @@ import { flushFeatures, writerOf } from '../cloud-feature.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import { gatherGeometry } from '../ingest/sample-centres.ts';
 import { MEMORY_ADVICE, type SplatCloud } from '../splat-cloud.ts';
-import type { CoarseSplats, SplatSpan } from '../stream/coarse-splats.ts';
+import type { CoarseSplats, SplatSpan } from '../stream/cloud-stream.ts';
 import { pickWords } from './pick-words.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 import { type ChosenSplats, shareSamples } from './share-samples.ts';

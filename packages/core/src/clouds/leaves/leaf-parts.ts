@@ -2,12 +2,12 @@ import type { LeafFile, LeafLevel, LeafScene, SplatCells } from '../../data/bric
 import { hasSameFields } from '../../data/has-same-fields.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
+import { chunksWithoutBounds, STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
-import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../stream/coarse-splats.ts';
-import type { PartLimit } from '../stream/frame-pace.ts';
+import type { CoarseSplats, SplatSpan } from '../stream/cloud-stream.ts';
+import type { PartLimit } from '../stream/part-pace.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
-import type { Sights } from '../stream/stream-views.ts';
+import type { Sights } from '../stream/scene-viewers.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 

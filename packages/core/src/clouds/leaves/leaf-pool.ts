@@ -5,8 +5,15 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import { type ChunkMove, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
-import { type Chunks, joined, WRITTEN_AT_ONCE } from '../stream/joined-chunks.ts';
-import { makePool, type PoolShape, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
+import {
+  type Chunks,
+  joined,
+  makePool,
+  type PoolShape,
+  ScenePool,
+  type StreamedScene,
+  WRITTEN_AT_ONCE,
+} from '../stream/scene-pool.ts';
 
 /** Cells in successive slots. */
 interface Run {

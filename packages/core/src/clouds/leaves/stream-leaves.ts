@@ -7,8 +7,8 @@ import { type Bounds, boundsStep, movedBounds, robustBounds } from '../../data/p
 import { MOST_REQUESTS } from '../../io/sources/few-requests.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunkBytes, mergeStages } from '../stream/chunk-pages.ts';
+import { streamInto } from '../stream/scene-pool.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
-import { streamInto } from '../stream/stream-scene.ts';
 import { firstBatch, LeafParts } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
 

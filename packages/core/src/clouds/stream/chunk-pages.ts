@@ -3,6 +3,7 @@ import type { SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS, LevelCell, MergeParameters } from '../../data/layout/level-structs.ts';
+import { setLogScales } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { BLOB_PRECISION } from '../../data/packing/precision.ts';
@@ -443,4 +444,12 @@ export function emptyLinks(
     links[chunk * ChunkLinks.words + CELL_ERROR_WORD] = cellErrors[chunk] ?? 0;
   }
   return links;
+}
+
+/** Words of `Chunk` structs with the log scale ranges of `cells`, without bounds. */
+export function chunksWithoutBounds(cells: readonly BrickCell[]): Float32Array<ArrayBuffer> {
+  const chunks = new Float32Array(CHUNK_WORDS.count * cells.length);
+  for (const [i, { logScales }] of cells.entries())
+    setLogScales(chunks, i, { min: logScales[0], step: logScales[1] });
+  return chunks;
 }

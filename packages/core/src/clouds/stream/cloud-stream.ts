@@ -1,5 +1,5 @@
+import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { CloudSight } from './cloud-sight.ts';
-import type { CoarseSplats } from './coarse-splats.ts';
 
 /** State of a streamed scene on the GPU. */
 export interface StreamReport {
@@ -80,4 +80,29 @@ export interface CloudStream {
   deferUploads(until: Promise<unknown>): void;
   /** @internal */
   end(): void;
+}
+
+/**
+ * Splats or blobs that approximate a whole streamed scene. They and their order do not depend on
+ * the parts that are on the GPU. Unused slots between them are 0.
+ */
+export interface CoarseSplats {
+  /** Unused slots included. */
+  readonly count: number;
+  readonly precision: GeometryPrecision;
+  /** Packed geometry relative to the scene's origin; null if it is in the cloud's planes. */
+  readonly words: Uint32Array | null;
+  /**
+   * Current position of the splats. The planes of a stream may change whenever this thread yields.
+   */
+  readonly spans: () => readonly SplatSpan[];
+}
+
+/** Successive splats of a plane, in whole chunks; the last chunk may be partial. */
+export interface SplatSpan {
+  /** Slot of the first splat in the plane, a multiple of 256. */
+  readonly first: number;
+  readonly count: number;
+  /** Words of the `Chunk` structs of these splats. */
+  readonly chunks: Float32Array;
 }

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { OwnFrames } from './frame-pace.ts';
+import { OwnFrames } from './part-pace.ts';
 
 /** Draws so many frames, each of which takes the device a while, with pauses between them. */
 function draw(frames: number, frameMs: number, pauseMs: number) {

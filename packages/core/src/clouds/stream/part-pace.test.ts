@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { PartPace } from './frame-pace.ts';
+import { PartPace } from './part-pace.ts';
 
 const STEP_MS = 16;
 

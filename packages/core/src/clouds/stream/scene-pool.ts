@@ -19,6 +19,8 @@ import {
   poolBuffer,
   STREAM_PRECISION,
 } from './chunk-pages.ts';
+import { type MissingPart, type SceneParts, SceneStream } from './scene-stream.ts';
+import { type StreamContext, type StreamNeed, type StreamOptions, withShare } from './stream-budget.ts';
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 /** Its bounds are outside of every frustum. */
@@ -285,4 +287,69 @@ export abstract class ScenePool implements Levels, CloudPool {
   destroy(): void {
     this.context.memory.destroyAll();
   }
+}
+
+/** Chunks from which on placed ones are written, so that the caller sees the time that it takes. */
+export const WRITTEN_AT_ONCE = 64;
+
+/** Chunks of one page. */
+export interface Chunks {
+  readonly first: number;
+  readonly count: number;
+  /** The chunk after the last one of the page. */
+  readonly pageEnd: number;
+}
+
+export interface JoinedChunks<Part> {
+  readonly first: number;
+  count: number;
+  readonly parts: Part[];
+}
+
+/** Sorts ranges of chunks, and joins those that adjoin in the same page. */
+export function joined<Part extends Chunks>(parts: readonly Part[]): readonly JoinedChunks<Part>[] {
+  const all: JoinedChunks<Part>[] = [];
+  for (const part of parts.toSorted((a, b) => a.first - b.first)) {
+    const last = all.at(-1);
+    if (last && last.first + last.count === part.first && part.first < last.parts[0].pageEnd) {
+      last.count += part.count;
+      last.parts.push(part);
+    } else all.push({ first: part.first, count: part.count, parts: [part] });
+  }
+  return all;
+}
+
+/**
+ * Makes a cloud with the pool of a scene, and the stream that fills it. Leaves nothing allocated on
+ * failure.
+ *
+ * @param makePool makes a pool of this many bytes.
+ * @param begin places the first parts in the pool, of a share of this many bytes.
+ * @throws the signal's reason; errors of `withShare`, `makePool` and `begin`.
+ */
+export function streamInto<Pool extends ScenePool, Part extends MissingPart>(
+  { shares }: StreamContext,
+  need: StreamNeed,
+  options: StreamOptions & Pick<SplatCloudOptions, 'onDestroyed'>,
+  makePool: (bytes: number) => Promise<Pool>,
+  begin: (pool: Pool, bytes: number) => SceneParts<Part>,
+): Promise<SplatCloud> {
+  return withShare(shares, need, options, async (shareBytes, leave) => {
+    const pool = await makePool(shareBytes);
+    try {
+      options.signal?.throwIfAborted();
+      const stream = new SceneStream(begin(pool, shareBytes));
+      const made = pool.cloud({
+        stream,
+        onDestroyed: (cloud) => {
+          leave();
+          options.onDestroyed?.(cloud);
+        },
+      });
+      return { made, resize: (bytes) => stream.resize(bytes) };
+    } catch (error) {
+      pool.destroy();
+      throw error;
+    }
+  });
 }

@@ -4,10 +4,9 @@ import { Listeners } from '../../data/listeners.ts';
 import { nextTask } from '../../data/turns.ts';
 import { MOST_REQUESTS } from '../../io/sources/few-requests.ts';
 import type { CloudSight } from './cloud-sight.ts';
-import type { CloudStream, StreamReport } from './cloud-stream.ts';
-import type { CoarseSplats } from './coarse-splats.ts';
-import type { PartLimit } from './frame-pace.ts';
-import { type Sights, StreamViews } from './stream-views.ts';
+import type { CloudStream, CoarseSplats, StreamReport } from './cloud-stream.ts';
+import type { PartLimit } from './part-pace.ts';
+import { SceneViewers, type Sights } from './scene-viewers.ts';
 
 /**
  * Parts that are being fetched, or have been fetched and wait in memory while the GPU's contents
@@ -129,7 +128,7 @@ interface Fetch {
 }
 
 /**
- * Keeps the parts of a scene on the GPU that views need most, in three steps: what is wanted, what
+ * Keeps the parts of one scene on the GPU that its viewers need most, in three steps: what is wanted, what
  * is fetched, what is uploaded. `#update` runs the first two whenever something has changed.
  * Fetched parts wait for the third, because the GPU's contents must change between frames only.
  * While a view draws frame after frame on its own, a few parts are uploaded after each frame, and
@@ -137,7 +136,7 @@ interface Fetch {
  */
 export class SceneStream<Part extends MissingPart = MissingPart> implements CloudStream {
   readonly #parts: SceneParts<Part>;
-  readonly #views: StreamViews;
+  readonly #viewers: SceneViewers;
   /** Missing parts of the last plan: the same array while nothing has changed. */
   #planned: readonly Part[] = [];
   /** The same by number. */
@@ -184,7 +183,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
 
   constructor(parts: SceneParts<Part>) {
     this.#parts = parts;
-    this.#views = new StreamViews(
+    this.#viewers = new SceneViewers(
       () => parts.whenDone(),
       () => this.#updateSoon(),
     );
@@ -213,7 +212,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
 
   #update(): void {
     if (this.#isEnded) return;
-    const missing = this.#parts.plan(this.#views);
+    const missing = this.#parts.plan(this.#viewers);
     if (missing !== this.#planned) this.#missing = new Map(missing.map((part) => [part.number, part]));
     this.#planned = missing;
     const isFetching = this.#fetchMissing();
@@ -299,10 +298,10 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
   /** @param isAfterFrame whether a view has just planned a frame. */
   #scheduleUpload(isAfterFrame: boolean): void {
     if (this.#isEnded || this.#isUploadDue || this.#holds.size > 0 || !this.#parts.isWaiting) return;
-    if (this.#views.areMoving) {
-      this.#views.awaitRest();
+    if (this.#viewers.areMoving) {
+      this.#viewers.awaitRest();
       if (!isAfterFrame) return;
-    } else if (this.#views.areRedrawing) return;
+    } else if (this.#viewers.areRedrawing) return;
     this.#isUploadDue = true;
     // As a microtask: a view that sets its sights is about to draw the current parts.
     queueMicrotask(() => this.#upload());
@@ -312,14 +311,14 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     this.#isUploadDue = false;
     if (this.#isEnded || this.#holds.size > 0) return;
     this.#flushUpdate();
-    const newParts = this.#parts.upload(this.#views.limit, this.#events);
-    if (newParts > 0) this.#views.redraw(newParts);
+    const newParts = this.#parts.upload(this.#viewers.limit, this.#events);
+    if (newParts > 0) this.#viewers.redraw(newParts);
     else this.#updateSoon();
   }
 
   deferUploads(until: Promise<unknown>): void {
     this.#holds.add(until);
-    const endFrames = this.#views.prolongFrames();
+    const endFrames = this.#viewers.prolongFrames();
     const release = () => {
       this.#holds.delete(until);
       endFrames();
@@ -333,20 +332,20 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     // Whoever holds the uploads reports errors of their own work.
     while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
     if (this.#isEnded) return;
-    this.#parts.resize(bytes, this.#views);
-    this.#views.redraw();
+    this.#parts.resize(bytes, this.#viewers);
+    this.#viewers.redraw();
   }
 
   // Views and their frames
 
   setSights(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void {
     const isUnknown = this.#parts.needsShift && sights.some(({ squaredShift }) => squaredShift === null);
-    this.#views.set(view, isUnknown ? null : sights, redraw);
+    this.#viewers.set(view, isUnknown ? null : sights, redraw);
     this.#scheduleUpload(true);
   }
 
   updateSights(view: object, sights: readonly CloudSight[]): void {
-    if (this.#parts.needsShift) this.#views.update(view, sights);
+    if (this.#parts.needsShift) this.#viewers.update(view, sights);
   }
 
   onFrame(): void {
@@ -361,7 +360,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
   }
 
   leave(view: object): void {
-    if (this.#views.remove(view)) this.#update();
+    if (this.#viewers.remove(view)) this.#update();
   }
 
   // State
@@ -371,7 +370,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
    * else makes it pending. Notifies listeners, and schedules waiting parts.
    */
   #onUpdated(isFetched: boolean): void {
-    const isDone = isFetched && this.#views.areUpToDate && !this.#parts.isWaiting;
+    const isDone = isFetched && this.#viewers.areUpToDate && !this.#parts.isWaiting;
     if (this.#isEnded || isDone) {
       this.#wait?.end();
       this.#wait = null;
@@ -394,13 +393,13 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
       fetching,
       fetchedBytes,
       bytesPerSecond: fetching > 0 ? this.#rate.bytesPerSecond : 0,
-      isComplete: this.#views.areCurrent && isComplete,
+      isComplete: this.#viewers.areCurrent && isComplete,
       error: this.#error,
     };
   }
 
   missingFor(view: object): number {
-    return this.#parts.missingFor(this.#views.sightsOf(view));
+    return this.#parts.missingFor(this.#viewers.sightsOf(view));
   }
 
   lackingCells(): Set<number> {
@@ -440,7 +439,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     this.#parts.end();
     this.#isEnded = true;
     globalThis.removeEventListener?.('online', this.#onOnline);
-    this.#views.end();
+    this.#viewers.end();
     this.#onUpdated(true);
   }
 }

@@ -17,7 +17,7 @@ import { seededRandom } from '../../testing/seeded-random.ts';
 import { sightFrom } from '../../testing/sight-from.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
-import { poolBytes } from '../bricks/pool-slots.ts';
+import { poolBytes } from '../bricks/brick-pool.ts';
 import { chunkBytes } from './chunk-pages.ts';
 
 const FRAMES = 2500;

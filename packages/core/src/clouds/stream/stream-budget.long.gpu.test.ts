@@ -12,7 +12,7 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { type StreamedSog, streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
-import { poolBytes } from '../bricks/pool-slots.ts';
+import { poolBytes } from '../bricks/brick-pool.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { chunkBytes } from './chunk-pages.ts';
 

@@ -3,8 +3,8 @@ import type { CloudStream } from '../clouds/stream/cloud-stream.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
 
-/** A view's streamed scenes. */
-export class ViewStreams {
+/** The streams of the clouds that one view draws: tells each what the view sees. */
+export class DrawnStreams {
   /** Streams of the last frame's clouds. */
   #streams = new Set<CloudStream>();
   /** The error that the current sights are based on, px; null if unknown. */

@@ -1,7 +1,7 @@
 import { hasSameFields } from '../../data/has-same-fields.ts';
 import type { CloudSight } from './cloud-sight.ts';
-import { OwnFrames, type PartLimit, PartPace } from './frame-pace.ts';
-import { isSameView, SightMotion } from './sight-motion.ts';
+import { OwnFrames, type PartLimit, PartPace } from './part-pace.ts';
+import { isSameView, SightPrediction } from './sight-prediction.ts';
 
 /** The sights that a scene is streamed for. */
 export interface Sights {
@@ -28,7 +28,7 @@ interface Viewer {
   isCurrent: boolean;
   redraw: () => Promise<unknown>;
   readonly ownFrames: OwnFrames;
-  readonly motion: SightMotion;
+  readonly prediction: SightPrediction;
   /** Whether the stream itself has requested the view's next frame. */
   isRequested: boolean;
   /**
@@ -39,10 +39,10 @@ interface Viewer {
 }
 
 /**
- * The views that draw a streamed scene: their sights, their motion, and their frames. A view that
+ * The views that draw one streamed scene: their sights, their motion, and their frames. A view that
  * draws frame after frame on its own draws changes with its next frame; other views are redrawn.
  */
-export class StreamViews implements Sights {
+export class SceneViewers implements Sights {
   readonly #viewers = new Map<object, Viewer>();
   readonly #whenDone: () => Promise<unknown>;
   readonly #onChange: () => void;
@@ -77,7 +77,7 @@ export class StreamViews implements Sights {
         isCurrent: false,
         redraw,
         ownFrames: new OwnFrames(),
-        motion: new SightMotion(),
+        prediction: new SightPrediction(),
         isRequested: false,
         isBehind: false,
       };
@@ -87,7 +87,7 @@ export class StreamViews implements Sights {
     viewer.isRequested = false;
     viewer.isBehind = false;
     viewer.redraw = redraw;
-    if (sights) viewer.motion.take(sights, performance.now());
+    if (sights) viewer.prediction.take(sights, performance.now());
     this.#storeSights(viewer, sights);
     if (this.predicted.length > 0) this.awaitRest();
   }
@@ -134,7 +134,7 @@ export class StreamViews implements Sights {
 
   get predicted(): readonly CloudSight[] {
     if (this.#predicted === null) {
-      const predicted = this.#viewersInMotion.flatMap(({ motion }) => motion.predict());
+      const predicted = this.#viewersInMotion.flatMap(({ prediction }) => prediction.predict());
       this.#predicted = predicted.length > 0 ? predicted : NONE_PREDICTED;
     }
     return this.#predicted;
@@ -177,7 +177,7 @@ export class StreamViews implements Sights {
 
   /** The pace of views that draw on their own. */
   get #pace(): PartPace {
-    const isMoving = this.#viewersInMotion.some(({ motion }) => motion.isMoving);
+    const isMoving = this.#viewersInMotion.some(({ prediction }) => prediction.isMoving);
     return isMoving ? this.#paces.moving : this.#paces.still;
   }
 
@@ -255,7 +255,7 @@ export class StreamViews implements Sights {
       const nowMs = performance.now();
       for (const [view, viewer] of this.#viewers) {
         if (viewer.ownFrames.restMs(nowMs) > 0) continue;
-        viewer.motion.stop();
+        viewer.prediction.stop();
         if (viewer.isBehind) void this.#redraw(view, viewer);
       }
       this.#predicted = null;

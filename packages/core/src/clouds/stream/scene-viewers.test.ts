@@ -1,6 +1,6 @@
 import { expect, onTestFinished, test } from 'vitest';
 import type { CloudSight } from './cloud-sight.ts';
-import { StreamViews } from './stream-views.ts';
+import { SceneViewers } from './scene-viewers.ts';
 
 const CUT = { camera: [0, 0, 2], squaredPerDistance: 1e-9, leastSquared: 1e-12, margin: 0 } as const;
 const side = () => ({ normal: [1, 0, 0], offset: 1, reach: 3 }) as const;
@@ -12,7 +12,7 @@ const sight = (cut: Partial<CloudSight['cut']> = {}, squaredShift = 1): CloudSig
 });
 
 test('sights are the same arrays until a view sees something else, so that plans stay', () => {
-  const views = new StreamViews(
+  const views = new SceneViewers(
     async () => {},
     () => {},
   );

@@ -1,11 +1,11 @@
 import { expect, test } from 'vitest';
 import { sightFrom } from '../../testing/sight-from.ts';
 import type { CloudSight } from './cloud-sight.ts';
-import { SightMotion } from './sight-motion.ts';
+import { SightPrediction } from './sight-prediction.ts';
 
 /** What is foreseen after a third of a second, by half a second of frames that vary in time. */
 function predicted(path: (seconds: number) => CloudSight): readonly CloudSight[] {
-  const motion = new SightMotion();
+  const motion = new SightPrediction();
   for (let frame = 0; frame < 30; frame++) {
     const atMs = 16 * frame + 5 * (frame % 3);
     motion.take([path(atMs / 1000)], atMs);
@@ -52,7 +52,7 @@ test('an orbit goes on along its circle', () => {
 test('nothing is foreseen of a view that stands, has come to rest, or shows more than before', () => {
   const sight = sightFrom([0, 1, 3], [0, 0, 0]);
   expect(predicted(() => sightFrom([0, 1, 3], [0, 0, 0]))).toEqual([]);
-  const motion = new SightMotion();
+  const motion = new SightPrediction();
   expect(motion.predict()).toEqual([]);
   motion.take([sight], 0);
   expect(motion.predict()).toEqual([]);

@@ -16,7 +16,7 @@ interface Sighting {
 }
 
 /** Extrapolates the sights of a moving view from its last frames. */
-export class SightMotion {
+export class SightPrediction {
   /** Oldest first; all but the first are younger than `MEASURED_MS`. */
   #past: readonly Sighting[] = [];
 
