@@ -175,8 +175,6 @@ export class CloudPlanes {
   static upload(memory: GpuMemory, limits: DeviceLimits, packed: PackedCloud, name: string): CloudPlanes {
     const { degree: shDegree, precision: shPrecision } = packed.harmonics;
     const ranges = pagesOf(limits, packed.count, shDegree, name);
-    const chunkWords = CHUNK_WORDS.count;
-    const words = new Uint32Array(packed.chunks);
     const place = { memory, name, ranges };
     const made: Plane[] = [];
     const keep = (plane: Plane) => {
@@ -184,18 +182,13 @@ export class CloudPlanes {
       return plane;
     };
     try {
-      const uploadChunks = ({ start, end }: PageRange, page: number) => {
-        const first = start / CHUNK_SPLATS;
-        const own = words.subarray(first * chunkWords, (first + chunkCountOf(end - start)) * chunkWords);
-        return memory.createFilledBuffer(`${name} chunks ${page}`, own);
-      };
       return new CloudPlanes(memory, name, {
         shDegree,
         shPrecision,
         hasOwnPalette: shPrecision === 'palette',
         geometryPrecision: packed.geometry.precision,
         ranges,
-        chunks: keep(planeOf(place, uploadChunks)),
+        chunks: keep(uploadPlane(place, 'chunks', chunksOf(packed.chunks))),
         geometry: keep(uploadGeometry(place, packed.geometry)),
         harmonics: keep(uploadHarmonics(place, packed.harmonics)),
         motion: packed.motion && {
@@ -368,19 +361,26 @@ function motionWordsOf({ words }: PackedMotion): WordsOfPage {
 }
 
 function reachesOf({ reaches }: PackedMotion): WordsOfPage {
-  const perChunk = SHADER_CONSTANTS.TIME_INTERVALS * SHADER_CONSTANTS.REACH_WORDS;
-  return (start, end) =>
-    bitsOf(reaches).subarray((start / CHUNK_SPLATS) * perChunk, chunkCountOf(end) * perChunk);
+  return wordsOfChunks(bitsOf(reaches), SHADER_CONSTANTS.TIME_INTERVALS * SHADER_CONSTANTS.REACH_WORDS);
 }
 
 /** Returns the words of the page that holds splats `start` to `end`. */
 type WordsOfPage = (start: number, end: number) => Uint32Array;
 
-function wordsOf(words: Uint32Array, wordsPerSplat: number): WordsOfPage {
+export function wordsOf(words: Uint32Array, wordsPerSplat: number): WordsOfPage {
   return (start, end) => words.subarray(start * wordsPerSplat, end * wordsPerSplat);
 }
 
-function uploadPlane(place: PlanePlace, what: string, wordsOfPage: WordsOfPage): Plane {
+function wordsOfChunks(words: Uint32Array, perChunk: number): WordsOfPage {
+  return (start, end) => words.subarray((start / CHUNK_SPLATS) * perChunk, chunkCountOf(end) * perChunk);
+}
+
+/** Chunks of a page, from the `Chunk` structs of all. */
+export function chunksOf(chunks: ArrayBuffer): WordsOfPage {
+  return wordsOfChunks(new Uint32Array(chunks), CHUNK_WORDS.count);
+}
+
+export function uploadPlane(place: PlanePlace, what: string, wordsOfPage: WordsOfPage): Plane {
   return planeOf(place, ({ start, end }, page) =>
     place.memory.createFilledBuffer(`${place.name} ${what} ${page}`, wordsOfPage(start, end)),
   );

@@ -159,7 +159,6 @@ class CloudEditor implements CloudFeature, EditsFollower {
   readonly #inLevels: Uint32Array;
   /** Bits of `EDITED` that changed since the last flush; null if there is nothing to write. */
   #changed: number | null = null;
-  #hasEnded = false;
   /** Whether shaders for anisotropic splats are being compiled. */
   #isStretching = false;
   #splats: EditedGeometry;
@@ -204,7 +203,7 @@ class CloudEditor implements CloudFeature, EditsFollower {
     const changed = this.#changed;
     const cloud = this.#cloud;
     // Buffers that failed to allocate, or are freed, must not be written.
-    if (changed === null || !cloud.isUploaded || this.#hasEnded) return;
+    if (changed === null || !cloud.isUploaded || cloud.isDestroyed) return;
     this.#changed = null;
     const { edits } = this;
     if (edits.hasUnevenScales && cloud.facts.isIsotropic) this.#stretch();
@@ -217,8 +216,7 @@ class CloudEditor implements CloudFeature, EditsFollower {
 
   async rebase(precision: GeometryPrecision, plane: Plane): Promise<() => void> {
     const { origin, fileIndices } = this.#cloud;
-    const isThere = () => !this.#hasEnded;
-    const words = await readPlane(this.#cloud, plane, precision, isThere);
+    const words = await readPlane(this.#cloud, plane, precision, () => !this.#cloud.isDestroyed);
     return () => {
       if (!words) return;
       const geometry = { precision, words, chunks: new Float32Array(this.#cloud.uploadedChunks) };
@@ -228,7 +226,6 @@ class CloudEditor implements CloudFeature, EditsFollower {
   }
 
   end(): void {
-    this.#hasEnded = true;
     this.#unfollow();
   }
 

@@ -127,7 +127,6 @@ export class GpuSplats {
   /** By the first buffer of the geometry that they write. */
   readonly #dispatches = new WeakMap<GPUBuffer, readonly Dispatch[]>();
   #isChanged = true;
-  #hasEnded = false;
   #failure: Error | null = null;
 
   /**
@@ -221,7 +220,7 @@ export class GpuSplats {
       // Planes made later are packed from the buffers, like all others.
       rebase: async () => () => {},
       readChunks: () => this.#readChunks(),
-      end: () => this.#end(),
+      end: () => parts.planes.free(parts.parameters),
     });
   }
 
@@ -305,13 +304,7 @@ export class GpuSplats {
   }
 
   #flush(): void {
-    if (this.#isChanged && !this.#hasEnded && !this.#failure) void this.#pack();
-  }
-
-  #end(): void {
-    if (this.#hasEnded) return;
-    this.#hasEnded = true;
-    this.#parts.planes.free(this.#parts.parameters);
+    if (this.#isChanged && !this.cloud.isDestroyed && !this.#failure) void this.#pack();
   }
 
   /** Packs all planes that the cloud holds. Resolves when the device has accepted the commands. */
@@ -386,7 +379,6 @@ export class GpuSplats {
   #checkUsable(): void {
     this.cloud.checkUsable();
     if (this.#failure) throw this.#failure;
-    if (this.#hasEnded) throw new DestroyedError(`The cloud ${this.cloud.name}`, 'its engine has ended');
   }
 }
 

@@ -2,7 +2,7 @@ import { type CloudFeature, writerOf } from '../../clouds/cloud-feature.ts';
 import { CloudPlanes, type Plane } from '../../clouds/cloud-planes.ts';
 import { Dispatches } from '../../clouds/ingest/dispatches.ts';
 import { MEMORY_ADVICE, type SplatCloud } from '../../clouds/splat-cloud.ts';
-import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
+import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
 import { CLOUD, given } from '../../data/given.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { MorphParameters } from '../../data/layout/packing-structs.ts';
@@ -81,7 +81,6 @@ class CloudMorph implements CloudFeature {
   readonly #states: readonly CloudPlanes[];
   readonly #steps: readonly Step[];
   #isReady = false;
-  #hasEnded = false;
   /** The amount last written to the cloud's planes. */
   #written = 0;
 
@@ -115,10 +114,10 @@ class CloudMorph implements CloudFeature {
     try {
       const compiled = this.#pipelines.prepare(this.#steps.map(({ stage }) => stage));
       await Promise.all([checked, cloud.uploaded, compiled, lease.met]);
-      if (!this.#hasEnded) this.#isReady = true;
-      this.#checkUsable();
+      cloud.checkUsable();
+      this.#isReady = true;
     } catch (error) {
-      this.#checkUsable();
+      cloud.checkUsable();
       this.end();
       lease.release();
       cloud.removeFeature(this);
@@ -129,7 +128,7 @@ class CloudMorph implements CloudFeature {
   flush(): void {
     const { amount } = this.#morph;
     const cloud = this.#cloud;
-    if (amount === this.#written || !this.#isReady || this.#hasEnded) return;
+    if (amount === this.#written || !this.#isReady || cloud.isDestroyed) return;
     this.#written = amount;
     const { device, planes } = cloud;
     const dispatchRow = device.limits.maxComputeWorkgroupsPerDimension;
@@ -157,15 +156,7 @@ class CloudMorph implements CloudFeature {
   }
 
   end(): void {
-    if (this.#hasEnded) return;
-    this.#hasEnded = true;
     for (const planes of this.#states) planes.destroy();
-  }
-
-  /** @throws DestroyedError if the cloud or its engine has ended. */
-  #checkUsable(): void {
-    this.#cloud.checkUsable();
-    if (this.#hasEnded) throw new DestroyedError(`The cloud ${this.#cloud.name}`, 'its engine has ended');
   }
 
   /** Coarser planes come last: they are packed from the planes written before. */

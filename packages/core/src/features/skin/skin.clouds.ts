@@ -1,10 +1,10 @@
 import { type CloudFeature, writerOf } from '../../clouds/cloud-feature.ts';
 import type { CloudLease } from '../../clouds/cloud-leases.ts';
-import { type Plane, type PlanePlace, planeOf } from '../../clouds/cloud-planes.ts';
+import { chunksOf, type Plane, uploadPlane, wordsOf } from '../../clouds/cloud-planes.ts';
 import { createGeometry } from '../../clouds/create-plane.ts';
 import { Dispatches } from '../../clouds/ingest/dispatches.ts';
 import { MEMORY_ADVICE, type SplatCloud } from '../../clouds/splat-cloud.ts';
-import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
+import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
 import { CLOUD, given } from '../../data/given.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
@@ -13,7 +13,7 @@ import { identity4, linearPart, transform3, translated4, type Vec3 } from '../..
 import { principalAxes } from '../../data/math/principal-axes.ts';
 import { chunkCountOf, logScalesOf, setLogScales } from '../../data/packing/chunks.ts';
 import { clampLogScale, logScaleRange } from '../../data/packing/log-scale.ts';
-import type { Bounds } from '../../data/packing/packed-cloud.ts';
+import { type Bounds, movedBounds } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { repackGeometry } from '../../stages/repack/repack.ts';
@@ -133,13 +133,13 @@ class CloudSkin implements CloudFeature {
     const cloud = this.#cloud;
     try {
       await cloud.uploaded;
-      this.#checkUsable();
+      cloud.checkUsable();
       const { held } = cloud.planes;
       const precision = held.geometry[0];
       // The finest geometry stays held: coarser planes are packed from it.
       this.#lease = cloud.hold({ geometryPrecision: precision, shPrecision: held.sh[0] });
       await Promise.all([this.#lease.met, this.#compile(precision)]);
-      this.#checkUsable();
+      cloud.checkUsable();
       const { place } = cloud.planes;
       const { memory } = place;
       const { checked } = memory.guard(`The skin of ${cloud.name}`, MEMORY_ADVICE, () => {
@@ -148,26 +148,19 @@ class CloudSkin implements CloudFeature {
           4 * JOINT_FLOATS * this.skin.jointCount,
           GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST,
         );
-        this.#influences = wordsPlane(place, 'influences', influences, ({ start, end }) => [
-          2 * start,
-          2 * end,
-        ]);
-        const chunkWords = new Uint32Array(this.#cloud.uploadedChunks);
-        this.#chunks = wordsPlane(place, 'chunks at rest', chunkWords, ({ start, end }) => {
-          const first = (CHUNK_WORDS.count * start) / CHUNK_SPLATS;
-          return [first, first + CHUNK_WORDS.count * chunkCountOf(end - start)];
-        });
+        this.#influences = uploadPlane(place, 'influences', wordsOf(influences, 2));
+        this.#chunks = uploadPlane(place, 'chunks at rest', chunksOf(cloud.uploadedChunks));
         this.#rest = this.#restOf(precision, cloud.planes.geometryPlane(precision)!);
       });
       await checked;
       // Joints turn balls to ellipsoids, which need other shaders.
       if (cloud.facts.isIsotropic) await cloud.stretch();
-      this.#checkUsable();
+      cloud.checkUsable();
       cloud.countWritten(influences.byteLength + this.#cloud.uploadedChunks.byteLength);
     } catch (error) {
       this.#lease?.release();
       this.#free();
-      this.#checkUsable();
+      cloud.checkUsable();
       this.#hasEnded = true;
       cloud.removeFeature(this);
       throw error;
@@ -274,12 +267,6 @@ class CloudSkin implements CloudFeature {
     this.#rest = this.#joints = null;
   }
 
-  /** @throws DestroyedError if the cloud or its engine has ended. */
-  #checkUsable(): void {
-    this.#cloud.checkUsable();
-    if (this.#hasEnded) throw new DestroyedError(`The cloud ${this.#cloud.name}`, 'its engine has ended');
-  }
-
   /**
    * Bounds the posed chunks: a mean of moved points lies within the boxes of the chunk as each of its
    * joints moves it. Null: the pose at rest.
@@ -348,7 +335,7 @@ class CloudSkin implements CloudFeature {
     }
     if (robust[0] > robust[3]) return bounds;
     const [minX, minY, minZ, maxX, maxY, maxZ] = robust;
-    return shifted({ min: [minX, minY, minZ], max: [maxX, maxY, maxZ] }, origin);
+    return movedBounds({ min: [minX, minY, minZ], max: [maxX, maxY, maxZ] }, origin);
   }
 }
 
@@ -446,25 +433,4 @@ function jointsIn(influences: Uint32Array): number[] {
     for (let k = 0; k < JOINTS_PER_ROW; k++)
       if ((influences[at + 1] >>> (8 * k)) & 255) joints.add((influences[at] >>> (8 * k)) & 255);
   return [...joints];
-}
-
-/** Uploads a part of `words` per page. */
-function wordsPlane(
-  place: PlanePlace,
-  what: string,
-  words: Uint32Array,
-  partOf: (range: PlanePlace['ranges'][number]) => readonly [from: number, to: number],
-): Plane {
-  return planeOf(place, (range, page) =>
-    place.memory.createFilledBuffer(`${place.name} ${what} ${page}`, words.subarray(...partOf(range))),
-  );
-}
-
-function shifted({ min, max }: Bounds, origin: Vec3): Bounds {
-  const about = (corner: ArrayLike<number>): Vec3 => [
-    corner[0] + origin[0],
-    corner[1] + origin[1],
-    corner[2] + origin[2],
-  ];
-  return { min: about(min), max: about(max) };
 }
