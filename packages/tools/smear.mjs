@@ -11,14 +11,10 @@ const TEST = /\.(?:test|bench)\.ts$|^packages\/core\/src\/testing\//;
 /** Words of each feature, and the folders and files that are its own. */
 const FEATURES = [
   ['motion', /motion/i, /\/features\/motion\/|motion-properties/],
-  ['morph', /morph/i, /\/morph\/|cloud-morph|splat-morph/],
-  ['skin', /\bskin|skin(?:ned|s)?\b|Skin/, /\/skin\/|cloud-skin|splat-skin|bind-skeleton/],
-  [
-    'edits',
-    /\bedit(?:s|or|ed|ing)?\b|Edit(?:s|or|ing)/,
-    /\/editing\/|cloud-editor|splat-edits|edited-geometry/,
-  ],
-  ['GPU splats', /gpu-?splats/i, /\/buffers\/|gpu-splats/],
+  ['morph', /morph/i, /\/morph\//],
+  ['skin', /\bskin|skin(?:ned|s)?\b|Skin/, /\/skin\/|bind-skeleton/],
+  ['edits', /\bedit(?:s|or|ed|ing)?\b|Edit(?:s|or|ing)/, /\/editing\/|\/edits\//],
+  ['GPU splats', /gpu-?splats/i, /gpu-splats/],
   ['levels', /levels?\b|Levels?\b|LEVELS/, /\/(?:levels|cut|merge)\/|cloud-levels|level-/],
   ['streams', /\bstream(?:s|ed|ing)?\b|Stream/, /\/(?:stream|bricks|leaves)\//],
   ['instances', /\binstances\b|Instances\b|INSTANCES/, /cloud-instances|lib\/instances|\/instances\//],

@@ -2,8 +2,8 @@
 // bounds of cells; writes thresholds, one instance after another. One thread per cell and instance,
 // dispatched per batch of instances. A cell lies within its parent, each step here rounds larger
 // numbers to larger or equal ones, and all cells take the same steps, with the same least threshold:
-// a parent's is never more than its children's. So where a cell is drawn, its parent's other cells
-// know, and nothing has to be traversed. With SHIFTED a budget moves all thresholds.
+// a parent's threshold is never more than its children's. So each cell decides by itself and its
+// parent whether it is drawn, and nothing has to be traversed. With SHIFTED a budget moves all thresholds.
 import constants::BATCH_INSTANCES;
 import constants::CHUNK_WORKGROUP;
 import layout::CutParameters;

@@ -8,9 +8,9 @@
 // On narrow devices it runs twice in a frame, see plan-cut: from a little below the last frame's shift,
 // which needs few links, and from the least shift if that was too high.
 //
-// Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
-// drawn, as both end there: no link of a splat is read, and of blobs only the own error. All end
-// where the cell above is drawn instead, and are taken away there at once.
+// Most cells are wholly in sight. In these, a blob of two nodes replaces both at its own error, which
+// draws one less: no link of a splat is read, and of blobs only the own error. At the shift from which
+// the cell above is drawn instead, everything that the cell draws is taken away at once.
 import constants::CHUNK_SPLATS;
 import constants::COUNTED_CHUNKS;
 import constants::COUNT_NOTHING;
@@ -43,7 +43,7 @@ import package::lib::level_link::{errorOf, isAlwaysDrawn, parentErrorOf};
 @if(!FRUSTUM_CULLING) @group(0) @binding(7) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 @if(!GEOMETRY_F32 && !FRUSTUM_CULLING) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
-/// Shifts before and beyond all that are possible.
+/// Shifts below and above all possible ones.
 const ALWAYS = -0x10000;
 const NEVER = 0x10000;
 
@@ -60,7 +60,7 @@ struct Head {
   isCounted: bool,
   isWhole: bool,
   isBlobs: bool,
-  /// Of blobs: the first, which stand for two nodes.
+  /// Number of blobs of two nodes, which are in the first slots.
   pairs: u32,
 }
 
@@ -87,7 +87,7 @@ fn countTogether(index: u32, lane: u32) {
     if (head.isCounted) { heads[atomicAdd(&headCount, 1u)] = head; }
   }
   workgroupBarrier();
-  // Most nodes begin there, and additions to one word take turns.
+  // Most nodes begin in the first bin, and additions to one word take turns.
   var inFirst = 0u;
   let count = atomicLoad(&headCount);
   for (var i = 0u; i < count; i++) { inFirst += countNode(heads[i], lane); }
@@ -120,7 +120,7 @@ fn addChange(index: u32, bin: u32, by: u32) {
 }
 
 /// Finds the facts that a chunk's splats share; counts all splats of a cell in sight at once.
-/// Nothing is to be counted behind the last chunk, and where the cell above is always drawn instead.
+/// Counts nothing behind the last chunk, and if the cell above is drawn instead at any shift.
 fn headOf(place: u32) -> Head {
   var head: Head;
   @if(!INSTANCES) let chunk = place;

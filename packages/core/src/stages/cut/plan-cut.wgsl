@@ -1,6 +1,6 @@
 // Finds the least shift of thresholds from which on the cuts of a frame draw no more than its budget.
 // Reads the counts of cut-count and clears them; writes the plan. One workgroup, one thread per run of
-// bins. Where the last shift draws more, it is taken.
+// bins. If even the last shift draws more, the last shift is taken.
 //
 // Wide GPUs count all shifts, once. Elsewhere this runs after each of a frame's two counts. The first
 // begins a little below the last frame's shift. If it finds a shift that draws more than the budget,
@@ -21,7 +21,7 @@ import layout::CutPlan;
 const RUN = CUT_BINS / PLAN_WORKGROUP;
 
 var<workgroup> sums: array<u32, PLAN_WORKGROUP>;
-/// The shift behind the last that draws more; 0 if none does.
+/// The shift after the last one that draws more than the budget; 0 if none does.
 var<workgroup> behindLast: atomic<u32>;
 var<workgroup> next: u32;
 

@@ -1,7 +1,7 @@
 // Refines cuts around splats that are to be drawn one by one. Reads a bit per splat and bounds of
 // chunks; changes copies of the links: no blob above such a splat is drawn at any threshold, and
 // every node whose parent is one of these blobs is drawn from its own error on. Hidden splats are
-// drawn at none. One workgroup per cell, one thread per splat and blob, from level to level. With
+// never drawn. One workgroup per cell, one thread per splat and blob, from level to level. With
 // UPPER the splats are roots of the level below.
 import constants::CELL_ROOTS;
 import constants::CHUNK_SPLATS;
@@ -21,7 +21,7 @@ import package::lib::merged_cell::{chunksOf, leafAbove};
 @if(!UPPER) @group(0) @binding(3) var<storage, read_write> blobLinks: array<ChunkLinks>;
 @if(!UPPER) @group(0) @binding(4) var<storage, read> editedBits: array<u32>;
 @if(!UPPER) @group(0) @binding(5) var<storage, read> hiddenBits: array<u32>;
-/// Of one selection after another.
+/// The masks of all selections, one after the other.
 @if(!UPPER) @group(0) @binding(6) var<storage, read> selectedBits: array<u32>;
 @if(!UPPER) @group(0) @binding(7) var<storage, read> chunks: array<Chunk>;
 
@@ -49,7 +49,7 @@ fn touchLinks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   if (splat != 0u) {
     @if(!UPPER) isHidden = bitOf(hiddenBits[splatChunk * MASK_WORDS + lane / 32u], lane);
     @if(!UPPER) let isTouched = isTouchedSplat(splatChunk, lane);
-    // The level below has told.
+    // The level below has given the roots of touched cells this error.
     @if(UPPER) let isTouched = errorOf(splat) == ERROR_BOUNDLESS;
     if (isTouched) { markAbove(blobChunk, parentSlotOf(splat)); }
   }
@@ -67,7 +67,7 @@ fn touchLinks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   var isCellTouched = false;
   for (var word = 0u; word < MASK_WORDS; word++) { isCellTouched = isCellTouched || atomicLoad(&above[word]) != 0u; }
   if (isCellTouched && parameters.hasNextLevel == 1u && lane < CELL_ROOTS) {
-    // The cell is drawn, wherever its parent would have its roots, so none of them is there.
+    // This cell is drawn at any threshold, so its roots are never drawn as leaves of the cell above.
     let leaf = leafAbove(parameters, cell, lane);
     let root = upperLinks[leaf.x].links[leaf.y];
     if (root != 0u) { upperLinks[leaf.x].links[leaf.y] = root | ERROR_BOUNDLESS; }
@@ -110,7 +110,7 @@ fn markAbove(blobChunk: u32, first: u32) {
   var slot = first;
   for (var step = 0u; step < CHUNK_SPLATS; step++) {
     let bit = 1u << (slot % 32u);
-    // Others mark the rest.
+    // The thread that has marked this blob marks the blobs above it, too.
     if ((atomicOr(&above[slot / 32u], bit) & bit) != 0u) { break; }
     @if(!UPPER) let link = blobLinks[blobChunk].links[slot];
     @if(UPPER) let link = upperLinks[blobChunk].links[slot];

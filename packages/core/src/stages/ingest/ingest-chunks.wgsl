@@ -69,7 +69,7 @@ fn logScaleOf(splat: u32) -> vec3f {
   return clamp(log(bitcast<vec3f>(scale)), vec3f(-40.0), vec3f(40.0));
 }
 
-/// From steps of the chunk that the splat came in, and their rests.
+/// Log scales from the steps and rests of the chunk that the splat had in the file's order.
 @if(!GEOMETRY_F32)
 fn logScaleOf(splat: u32) -> vec3f {
   let row = fileRows[parameters.firstSplat + splat];

@@ -160,7 +160,7 @@ fn boundRow(row: u32) {
   if (!isRound) { atomicMax(&ownFacts[FACT_STRETCHED], 1u); }
 }
 
-/// `range`: of the log scales of the row's chunk.
+/// `range`: least log scale and step of the row's chunk.
 fn takeGeometry(row: u32, slot: u32, range: vec2f) {
   let position = valueBits3(row, ROW_POSITION);
   let logScale = bitcast<vec3f>(logScaleBits(row));
@@ -184,8 +184,8 @@ fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rota
   for (var k = 0u; k < 4u; k++) { (*record)[4u + k] = bitcast<u32>(rotation[k]); }
 }
 
-/// 32 bytes, as data/packing/geometry.ts lays them out. Rests of log scales beside the nearest
-/// step, −512…511 parts of 1024, are kept with 512 added.
+/// 32 bytes, as data/packing/geometry.ts lays them out. `logScaleRests` keeps what rounding to a
+/// step leaves out: −512…511 parts of 1024, with 512 added.
 @if(!GEOMETRY_F32)
 fn writeGeometry(slot: u32, position: vec3u, logScale: vec3f, range: vec2f, rotation: vec4f, opacity: f32, colorDc: vec3f) {
   let dc = vec3u(halfBits(colorDc.x), halfBits(colorDc.y), halfBits(colorDc.z));

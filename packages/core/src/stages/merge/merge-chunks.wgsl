@@ -3,11 +3,11 @@
 // links, and the leaves of the next level. One workgroup per cell, one thread per splat. With UPPER
 // the splats are roots of the level below, in the buffer that blobs go to.
 //
-// In each round every node finds, among its neighbours in storage order, the one that costs least
-// to merge with, and pairs that find each other merge (parallel locally-ordered clustering,
-// Meister and Bittner 2018, with Ward's cost). A node stays with its thread; the first of a pair
-// takes the blob. Costs of a pair are the same from both sides, and equal ones go by place, so
-// there is a pair in each round, and the result is the same every time.
+// In each round every node finds the neighbour in storage order that is cheapest to merge with, and
+// pairs that find each other merge (parallel locally-ordered clustering, Meister and Bittner 2018,
+// with Ward's cost). A node stays with its thread; the first thread of a pair takes the blob. The cost
+// of a pair is the same from both sides, and of equal costs the first place counts. So each round has
+// a pair, and the result is the same every time.
 import constants::CELL_ROOTS;
 import constants::CHUNK_SPLATS;
 import constants::ERROR_BOUNDLESS;
@@ -44,12 +44,14 @@ const PLACES = 2u * MERGED_RADIUS + 1u;
 const FARTHEST = 1.8e19;
 
 var<workgroup> nodes: array<array<f32, NODE_WORDS>, CHUNK_SPLATS>;
-/// Per thread, the one whose node costs least to merge with.
+/// By thread with a node: the thread whose node is cheapest to merge with, or the thread itself.
 var<workgroup> nearest: array<u32, CHUNK_SPLATS>;
-/// The threads that have nodes, in order, and their number. While pairs merge, a thread's error.
+/// While neighbours are sought: the threads that have nodes, ascending. While pairs merge: the error
+/// of each thread's node, for its partner.
 var<workgroup> order: array<u32, CHUNK_SPLATS>;
+/// Threads that have nodes.
 var<workgroup> nodeCount: u32;
-/// A bit per thread: whether it has a node; and whether it is counted, e.g. as the first of a pair.
+/// A bit per thread: whether it has a node. A bit per thread or slot that `countBelow` counts next.
 var<workgroup> holders: array<atomic<u32>, MASK_WORDS>;
 var<workgroup> counted: array<atomic<u32>, MASK_WORDS>;
 /// Bits of the largest standard deviation of splats, and of blobs.
@@ -62,7 +64,7 @@ var<workgroup> cellError: atomic<u32>;
 /// The parts of a thread's node that no other thread reads.
 struct Own {
   isActive: bool,
-  /// Whether it is a splat, or else the slot of its blob.
+  /// Whether the node is a splat; otherwise it is the blob in `slot`.
   isSplat: bool,
   slot: u32,
   error: u32,
@@ -119,7 +121,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     if (isPair && lane == first) { atomicOr(&counted[lane / 32u], 1u << (lane % 32u)); }
     workgroupBarrier();
 
-    // Not below the number of roots.
+    // The last round merges no more pairs than leave CELL_ROOTS nodes.
     let pair = countBelow(first, true);
     let pairs = min(countBelow(CHUNK_SPLATS, true), count - CELL_ROOTS);
     let merges = isPair && pair < pairs;
@@ -144,7 +146,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     if (merges && lane == first) { setNode(lane, blob); }
     if (merges && lane != first) {
       atomicAnd(&holders[lane / 32u], ~(1u << (lane % 32u)));
-      // The rest of a node passes through words that are of no use any more.
+      // This thread's node is gone, so its words carry its sums to the first thread of the pair.
       nodes[lane][0] = own.sums.x;
       nodes[lane][1] = own.sums.y;
     }
@@ -157,7 +159,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     made += pairs;
   }
 
-  // A splat that nothing has merged with is a root as a blob of its own.
+  // A splat without a partner becomes a root, as a blob of this splat alone.
   let pairs = made;
   let isAlone = own.isActive && own.isSplat;
   if (isAlone) { atomicOr(&counted[lane / 32u], 1u << (lane % 32u)); }
@@ -193,7 +195,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
 }
 
 fn ownSplat(splatChunk: u32, lane: u32) -> Own {
-  // A dispatch may cover several chunks that are not full: their links tell.
+  // Several chunks of a dispatch may be partly filled: their links count the empty slots.
   @if(!UPPER) let end = CHUNK_SPLATS - splatLinks[splatChunk].uncounted;
   @if(!UPPER) let isSplat = lane < end && splatChunk * CHUNK_SPLATS + lane < parameters.splatCount;
   @if(!UPPER) return Own(isSplat, true, 0u, 0u, vec2f(0.0));
@@ -219,7 +221,7 @@ fn sumsOf(chunk: u32, lane: u32) -> vec2f {
   return bitcast<vec2f>(vec2u(upper[index][2].w, upper[index][3].w));
 }
 
-/// Threads before `lane` that have nodes, or that are counted.
+/// Number of threads before `lane` that have nodes, or of the bits before it in `counted`.
 fn countBelow(lane: u32, ofCounted: bool) -> u32 {
   var count = 0u;
   for (var word = 0u; word < MASK_WORDS; word++) {
@@ -229,15 +231,15 @@ fn countBelow(lane: u32, ofCounted: bool) -> u32 {
   return count;
 }
 
-/// The thread whose node costs least to merge with the one that comes `rank`th of `count`; that
-/// one's own where none does.
+/// The thread whose node is cheapest to merge with the node of the thread `order[rank]`; that thread
+/// itself if its node has no neighbour. `count` threads have nodes.
 fn nearestTo(rank: u32, count: u32) -> u32 {
   var found = order[rank];
   let node = nodeOf(found);
   var least = 1e38;
-  // Ascending: of equal costs the first counts, from both sides.
+  // In ascending order, so that both sides prefer the first of equal costs.
   for (var step = 0u; step < PLACES; step++) {
-    // Places before the first wrap around to more than any.
+    // Places before the first wrap around to more than `count`.
     let place = rank + step - MERGED_RADIUS;
     if (place == rank || place >= count) { continue; }
     let other = order[place];
@@ -302,7 +304,7 @@ fn link(splatChunk: u32, blobChunk: u32, lane: u32, own: Own, bits: u32) {
   @if(UPPER) upperLinks[chunk].links[select(own.slot, lane, own.isSplat)] = bits;
 }
 
-/// Writes the head that the links of both chunks share. An error that the cell has already stays.
+/// Writes the facts of both chunks before their links. Keeps an error that the cell has already.
 fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u32, pairs: u32) {
   let splatScale = bitcast<f32>(atomicLoad(&largestScale[0]));
   let blobScale = bitcast<f32>(atomicLoad(&largestScale[1]));

@@ -37,7 +37,7 @@ import package::lib::packing::unpackSplat;
 /// Coefficients that are averaged together: 9, 24 and 45 take 1, 3 and 5 rounds.
 const GROUP = 9u;
 const GROUPS = (SH_VALUES + GROUP - 1u) / GROUP;
-/// No child: a root that is a splat has one.
+/// In place of a second child: a blob of a single splat has none.
 const NONE = 0xffffu;
 
 /// Both nodes that a blob merges, in order so that sums are the same every time: slots of blobs, and
@@ -46,7 +46,7 @@ var<workgroup> firstChildren: array<atomic<u32>, CHUNK_SPLATS>;
 var<workgroup> lastChildren: array<atomic<u32>, CHUNK_SPLATS>;
 /// Weights of blobs, then of splats.
 var<workgroup> weights: array<f32, 2u * CHUNK_SPLATS>;
-/// Steps after which a blob's children are known; 0 before that is. Then the ends of steps in
+/// First by blob: the step that averages it, 0 while unknown. Then by step: where it ends in
 /// `order`.
 var<workgroup> depths: array<atomic<u32>, CHUNK_SPLATS>;
 /// Blobs by the step that averages them.
@@ -91,7 +91,7 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
   @if(!UPPER) let blobCount = blobLinks[blobChunk].count;
   @if(UPPER) let blobCount = upperLinks[blobChunk].count;
   var isOrdered = false;
-  // Of the step that this lane has the number of.
+  // By the lane that has the number of the step.
   var end = 0u;
   var steps = 0u;
   for (var step = 1u; step <= CHUNK_SPLATS; step++) {
