@@ -63,7 +63,7 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
   ],
   'accuracies that are measured or compared': [
     'apps/viewer/src/accuracy/',
-    'apps/viewer/src/state/nearest-preset.ts',
+    'apps/viewer/src/state/accuracy.ts',
     'packages/charts/',
     'packages/core/src/data/accuracy/',
     'packages/core/src/measure/',

@@ -12,11 +12,9 @@ import { useStore } from 'zustand';
 import { editPicture } from '../engine/edit-picture.ts';
 import type { ShownFrame } from '../engine/show/drawn-frame.ts';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
-import { detailOfFrames } from '../state/accuracy.ts';
-import { SETTING_NAMES, type SettingName } from '../state/nearest-preset.ts';
+import { detailOfFrames, SETTING_NAMES, type SettingName } from '../state/accuracy.ts';
 import type { ViewerState } from '../state/store.ts';
-import { formatValue, type SettingValue, valueWords } from '../ui/accuracy-words.ts';
-import { describeDetail } from '../ui/detail-words.ts';
+import { describeDetail, formatValue, type SettingValue, valueWords } from '../ui/accuracy-words.ts';
 import { useGesture } from '../ui/use-gesture.ts';
 import { setAccuracy } from './edit-accuracy.ts';
 

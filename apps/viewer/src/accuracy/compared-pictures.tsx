@@ -7,10 +7,10 @@ import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react'
 import { useStore } from 'zustand';
 import { drawAtRest, drawLayer } from '../engine/show/draw-at-rest.ts';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
-import { type Comparison, comparedWithReference, type Drawn, sideDrawn } from '../state/comparison.ts';
+import { type Comparison, comparedWithReference, type Drawn, sideDrawn } from '../state/accuracy.ts';
 import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { describeDrawn } from '../ui/detail-words.ts';
+import { describeDrawn } from '../ui/accuracy-words.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import { compare } from './edit-accuracy.ts';
 import type { ErrorMap } from './error-map.ts';

@@ -2,8 +2,13 @@ import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/viewer.ts';
-import { type Comparison, type ComparisonSide, comparedWithReference } from '../state/comparison.ts';
-import { isSameAccuracy, PRESET_NAMES } from '../state/nearest-preset.ts';
+import {
+  type Comparison,
+  type ComparisonSide,
+  comparedWithReference,
+  isSameAccuracy,
+  PRESET_NAMES,
+} from '../state/accuracy.ts';
 import { describeAccuracy } from '../ui/accuracy-words.ts';
 import { compare } from './edit-accuracy.ts';
 

@@ -1,7 +1,7 @@
 import type { AccuracySettings } from '@websplatter/core';
 import { editPicture } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/viewer.ts';
-import type { Comparison } from '../state/comparison.ts';
+import type { Comparison } from '../state/accuracy.ts';
 
 /** Draws with settings that a person has chosen. @param gesture as for `editPicture`. */
 export function setAccuracy(panel: PanelProps, settings: AccuracySettings, gesture?: object): void {

@@ -3,8 +3,8 @@ import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '@web
 import { useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/viewer.ts';
+import { isSameAccuracy } from '../state/accuracy.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
-import { isSameAccuracy } from '../state/nearest-preset.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
 import { setAccuracy } from './edit-accuracy.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';

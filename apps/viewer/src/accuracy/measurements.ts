@@ -3,8 +3,8 @@ import type { AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
 import { shallow } from 'zustand/vanilla/shallow';
 import type { ShownFrame } from '../engine/show/drawn-frame.ts';
 import type { Viewer } from '../engine/viewer.ts';
+import { PRESET_NAMES } from '../state/accuracy.ts';
 import type { MeasuredAccuracy, MeasuredImage, MeasuredThing } from '../state/measured.ts';
-import { PRESET_NAMES } from '../state/nearest-preset.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
 

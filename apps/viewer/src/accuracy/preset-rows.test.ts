@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { PRESET_NAMES } from '../state/nearest-preset.ts';
+import { PRESET_NAMES } from '../state/accuracy.ts';
 import {
   barParts,
   beyondLabel,

@@ -5,7 +5,7 @@ import {
   resolveAccuracy,
 } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { SETTING_NAMES } from '../state/nearest-preset.ts';
+import { SETTING_NAMES } from '../state/accuracy.ts';
 import { defaultAccuracyOn } from './viewer.ts';
 
 describe('the default accuracy of a device', () => {

@@ -19,7 +19,7 @@ import {
 } from '@websplatter/core';
 import { observeTheme } from '@websplatter/kit/theme';
 import { ViewCamera } from '../camera/view-camera.ts';
-import type { Comparison, Drawn } from '../state/comparison.ts';
+import type { Comparison, Drawn } from '../state/accuracy.ts';
 import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';

@@ -15,12 +15,12 @@ import {
   formatRough,
   UNKNOWN,
 } from '@websplatter/kit/format';
-import { type Drawn, sideDrawn } from '../state/comparison.ts';
+import { type Drawn, sideDrawn } from '../state/accuracy.ts';
 import { awaitsFirstParts } from '../state/frames.ts';
 import { leftSplats } from '../state/left-splats.ts';
 import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
-import { describeDetail } from '../ui/detail-words.ts';
+import { describeDetail } from '../ui/accuracy-words.ts';
 import type { Side } from './frame-recorder.ts';
 
 /** The large figure at the top, and what it measures. */

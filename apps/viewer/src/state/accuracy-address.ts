@@ -6,7 +6,7 @@ import {
   resolveAccuracy,
 } from '@websplatter/core';
 import { splitAccuracy } from '@websplatter/kit/split-accuracy';
-import { isSameAccuracy, nearestPreset } from './nearest-preset.ts';
+import { isSameAccuracy, nearestPreset } from './accuracy.ts';
 
 /**
  * For the address, `fast,sortKeyBits:32` or `minPsnrDb:45`; null for the device's default.

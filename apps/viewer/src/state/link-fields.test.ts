@@ -2,7 +2,7 @@ import { InvalidArgumentError, resolveAccuracy } from '@websplatter/core';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
-import { describeDetail } from '../ui/detail-words.ts';
+import { describeDetail } from '../ui/accuracy-words.ts';
 import { FIRST_LOOK } from './camera.ts';
 import { LINK_FIELDS } from './link-fields.ts';
 import type { LinkedCamera } from './saved-view.ts';

@@ -5,9 +5,9 @@ import {
   isAccuracyTarget,
   printable,
 } from '@websplatter/core';
+import type { Comparison, ComparisonSide } from './accuracy.ts';
 import { decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
 import { type Background, FIRST_LOOK } from './camera.ts';
-import type { Comparison, ComparisonSide } from './comparison.ts';
 import { isFiniteF32 } from './float32.ts';
 import {
   FLAG,

@@ -1,9 +1,8 @@
 import { subscribeWithSelector } from 'zustand/middleware';
 import { createStore } from 'zustand/vanilla';
-import { type AccuracyState, FIRST_ACCURACY } from './accuracy.ts';
+import { type AccuracyState, type ComparisonState, FIRST_ACCURACY, FIRST_COMPARISON } from './accuracy.ts';
 import { type AnnotatingState, FIRST_ANNOTATING } from './annotating.ts';
 import { type CameraState, FIRST_CAMERA } from './camera.ts';
-import { type ComparisonState, FIRST_COMPARISON } from './comparison.ts';
 import { type EffectsState, FIRST_EFFECTS } from './effects.ts';
 import { FIRST_FRAMES, type FramesState } from './frames.ts';
 import { type HistoryState, NO_HISTORY } from './history.ts';

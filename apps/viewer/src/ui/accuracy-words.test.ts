@@ -1,6 +1,6 @@
 import { ACCURACY_PRESETS, resolveAccuracy } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
+import { nearestPreset, PRESET_NAMES } from '../state/accuracy.ts';
 import {
   describeAccuracy,
   describeMeasured,

@@ -1,7 +1,7 @@
 import { IconButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
-import { type ComparisonSide, sideDrawn } from '../state/comparison.ts';
+import { type ComparisonSide, sideDrawn } from '../state/accuracy.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import type { RampEnd } from './ramp.ts';

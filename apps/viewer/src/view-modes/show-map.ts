@@ -1,7 +1,7 @@
 import type { FrameRequest, SplatEngine } from '@websplatter/core';
 import { drawAtRest } from '../engine/show/draw-at-rest.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import { sideDrawn } from '../state/comparison.ts';
+import { sideDrawn } from '../state/accuracy.ts';
 import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isMapMode, type MapFigures, type MapModeName } from '../state/view-mode.ts';

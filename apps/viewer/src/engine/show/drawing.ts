@@ -2,8 +2,7 @@ import { DestroyedError, type SplatCloud, type SplatView } from '@websplatter/co
 import type { EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../../camera/flip.ts';
 import type { ViewCamera } from '../../camera/view-camera.ts';
-import { detailOfFrames } from '../../state/accuracy.ts';
-import { sideDrawn } from '../../state/comparison.ts';
+import { detailOfFrames, sideDrawn } from '../../state/accuracy.ts';
 import {
   CLOUD_EFFECT_OWNERS,
   EFFECT_OWNERS,

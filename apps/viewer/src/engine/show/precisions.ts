@@ -6,7 +6,7 @@ import {
   type LoadProgress,
   type SplatCloud,
 } from '@websplatter/core';
-import type { Comparison } from '../../state/comparison.ts';
+import type { Comparison } from '../../state/accuracy.ts';
 import type { ViewerStore } from '../../state/store.ts';
 import type { SessionOwner } from './session-owner.ts';
 

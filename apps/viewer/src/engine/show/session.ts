@@ -1,5 +1,5 @@
 import type { AccuracyChoice, SplatEngine, SplatView } from '@websplatter/core';
-import type { Comparison } from '../../state/comparison.ts';
+import type { Comparison } from '../../state/accuracy.ts';
 
 /** The device and its objects; replaced as a whole when the device is lost. */
 export interface Session {
