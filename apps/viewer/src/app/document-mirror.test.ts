@@ -26,7 +26,7 @@ const load = {
   splats: 0,
   bytesPerSecond: 0,
 } as const;
-const failure = { title: 'x', message: 'y', advice: '', isFault: false };
+const failure = { title: 'x', message: 'y' };
 
 function stateWith(changes: Partial<ViewerState>): ViewerState {
   return { ...createViewerStore().getState(), ...changes };

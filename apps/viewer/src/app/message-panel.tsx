@@ -4,15 +4,13 @@ import { useStore } from 'zustand';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-type Message = Pick<FailureReport, 'title' | 'message'> & Partial<FailureReport>;
-
 /**
  * The error of the last scene that failed to open, or a warning about the current scene. Can be
  * dismissed.
  */
 export function MessagePanel({ store, kind }: { store: ViewerStore; kind: 'error' | 'warning' }) {
   const name = kind === 'error' ? 'failure' : 'warning';
-  const shown: Message | null = useStore(store, (state) => state[name]);
+  const shown: FailureReport | null = useStore(store, (state) => state[name]);
   // The live region is always mounted: some screen readers ignore one that is added with its text.
   return (
     <div role={kind === 'error' ? 'alert' : 'status'} className="message-slot">

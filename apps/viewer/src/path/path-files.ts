@@ -12,6 +12,7 @@ import { saveSettings } from '../share/settings-section.tsx';
 import { FieldError } from '../state/json-fields.ts';
 import { cameraAxes, lookAt, poseFromLookAt } from '../state/orbit-pose.ts';
 import { LEAST_STEP_MS } from '../state/saved-view.ts';
+import { tellFailure } from '../state/tell-failure.ts';
 import { upVector } from '../state/up-axis.ts';
 import { isColmapCameras, isColmapImages, readColmapPath } from './colmap-path.ts';
 import { readGltfPath, type SampledCamera, writeGltfPath } from './gltf-path.ts';
@@ -45,16 +46,11 @@ export async function importPath(
     ];
     store.setState({ notice: { text: notes.join(' '), offers: [{ label: 'Undo', command: 'undo' }] } });
   } catch (error) {
-    const isFault = !(error instanceof PathFileError);
-    if (isFault) console.error(error);
-    store.setState({
-      failure: {
-        title: 'The path cannot be read',
-        message: error instanceof Error ? error.message : String(error),
-        advice:
-          'Choose images.txt of COLMAP, settings.json of SuperSplat, or a glTF file with a camera, as Blender saves it.',
-        isFault,
-      },
+    tellFailure(store, error, {
+      title: 'The path cannot be read',
+      advice:
+        'Choose images.txt of COLMAP, settings.json of SuperSplat, or a glTF file with a camera, as Blender saves it.',
+      isFault: !(error instanceof PathFileError),
     });
   }
 }

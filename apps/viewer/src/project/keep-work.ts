@@ -5,6 +5,7 @@ import { FieldError } from '../state/json-fields.ts';
 import { NOT_FETCHED, withKept } from '../state/messages.ts';
 import type { KeptVersion } from '../state/scene.ts';
 import type { ViewerState } from '../state/store.ts';
+import { tellFailure } from '../state/tell-failure.ts';
 import { hasSameEdits, keptWork } from './kept-work.ts';
 import {
   browserVersions,
@@ -238,7 +239,7 @@ class WorkKeeper {
       if (!(error instanceof FieldError)) throw error;
       const title = `${version.work.edits} cannot be brought back`;
       const advice = 'The file may have changed since then.';
-      store.setState({ failure: { title, message: error.message, advice, isFault: false } });
+      tellFailure(store, error, { title, advice });
       return false;
     }
     const before = this.#included;

@@ -8,6 +8,7 @@ import { storyOf } from '../navigate/keep-story.ts';
 import { NO_HISTORY } from '../state/history.ts';
 import { FieldError } from '../state/json-fields.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { tellFailure } from '../state/tell-failure.ts';
 import { giveWork } from './give-work.ts';
 import { rowsIn } from './mask-rows.ts';
 import { type ProjectPart, readProject } from './project-file.ts';
@@ -62,14 +63,10 @@ async function orFailure<T>(file: File, store: ViewerStore, read: () => Promise<
   try {
     return await read();
   } catch (error) {
-    if (!(error instanceof FieldError)) console.error(error);
-    store.setState({
-      failure: {
-        title: `${file.name} cannot be opened`,
-        message: error instanceof Error ? error.message : String(error),
-        advice: 'Save the project again, or open the files of its scene.',
-        isFault: !(error instanceof FieldError),
-      },
+    tellFailure(store, error, {
+      title: `${file.name} cannot be opened`,
+      advice: 'Save the project again, or open the files of its scene.',
+      isFault: !(error instanceof FieldError),
     });
     return null;
   }

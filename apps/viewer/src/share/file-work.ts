@@ -4,6 +4,7 @@ import { type SceneSource, shortened, titleOf } from '../engine/open/scene-sourc
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { tellFailure } from '../state/tell-failure.ts';
 import { pathSegment } from '../ui/path-segment.ts';
 
 export interface FileTask {
@@ -48,13 +49,7 @@ export abstract class FileWork {
       store.setState({ notice: sentences.join(' ') });
     } catch (error) {
       if (work.signal.aborted) store.setState({ notice: `${doing} ${fileName} was cancelled.` });
-      else {
-        const failure = failureOf(error);
-        if (failure.isFault) console.error(error);
-        store.setState({
-          failure: { ...failure, message: error instanceof Error ? error.message : String(error) },
-        });
-      }
+      else tellFailure(store, error, failureOf(error));
     } finally {
       // Ends other work that listens to the signal and has not finished.
       work.abort();

@@ -11,6 +11,7 @@ import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { KeptView } from '../state/saved-view.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { tellFailure } from '../state/tell-failure.ts';
 import { clamp, type Vec3 } from '../state/vec3.ts';
 import {
   type CameraTrack,
@@ -124,8 +125,7 @@ async function readOr(
     checkDirections(settings);
     return settings;
   } catch (error) {
-    const message = error instanceof Error ? error.message : String(error);
-    store.setState({ failure: { title: 'The settings cannot be used', message, advice, isFault: false } });
+    tellFailure(store, error, { title: 'The settings cannot be used', advice });
     return null;
   }
 }

@@ -24,7 +24,6 @@ class Projects extends FileWork {
       failureOf: () => ({
         title: `${fileName} cannot be saved`,
         advice: 'A file of the scene may have been moved or changed: open it again.',
-        isFault: false,
       }),
       onEnd: () => store.setState({ savingProject: null }),
     });

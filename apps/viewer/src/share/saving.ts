@@ -42,7 +42,6 @@ class Saving extends FileWork {
       notes,
       failureOf: (error) => ({
         title: `${fileName} cannot be saved`,
-        advice: '',
         // The engine's errors say why the scene cannot be written, which is no fault of the viewer.
         isFault: !(error instanceof WebSplatterError),
       }),

@@ -8,11 +8,11 @@ export interface Link {
 export interface FailureReport {
   readonly title: string;
   readonly message: string;
-  readonly advice: string;
+  readonly advice?: string;
   /** The engine's own words, if the message has plainer ones. */
   readonly details?: string;
   /** Whether it is a mistake of ours, not thrown on purpose: particulars belong in the console. */
-  readonly isFault: boolean;
+  readonly isFault?: boolean;
   /** Places to go to instead. */
   readonly links?: readonly Link[];
 }
@@ -26,7 +26,6 @@ export function joinedFailures(failures: readonly FailureReport[]): FailureRepor
   return {
     title: `${failures.length} files cannot be opened`,
     message: failures.map(({ title, message }) => `${title}: ${message}`).join(' '),
-    advice: '',
     isFault: failures.some(({ isFault }) => isFault),
   };
 }

@@ -1,4 +1,5 @@
 import type { ViewerStore } from '../../state/store.ts';
+import { tellFailure } from '../../state/tell-failure.ts';
 import { decideFiles } from '../open/decide-files.ts';
 import type { AskedHandle, FileDropDecision } from '../open/file-drop.ts';
 import { filesOf } from '../open/file-handles.ts';
@@ -17,14 +18,10 @@ export async function reopenFile(
     if (found) return { ...decideFiles(found), handles };
     store.setState({ notice: `The browser may not read ${name} without your permission.` });
   } catch (error) {
-    store.setState({
-      lastFile: null,
-      failure: {
-        title: `${name} cannot be opened again`,
-        message: error instanceof Error ? error.message : String(error),
-        advice: 'It may have been moved, renamed or removed. Open it from where it is now.',
-        isFault: false,
-      },
+    store.setState({ lastFile: null });
+    tellFailure(store, error, {
+      title: `${name} cannot be opened again`,
+      advice: 'It may have been moved, renamed or removed. Open it from where it is now.',
     });
   }
   return null;

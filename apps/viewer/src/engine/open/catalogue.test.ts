@@ -32,7 +32,7 @@ describe('hard cases in the viewer', () => {
   it('offers the closest names and the gallery for an unknown one', () => {
     const { message, isFault, links } = errorFor('needle-aspct-1e6');
     expect(message).toContain('“needle-aspct-1e6”');
-    expect(isFault).toBe(false);
+    expect(isFault).toBeUndefined();
     expect(links).toEqual([
       { label: 'needle-aspect-1e6', href: '?scene=hard:needle-aspect-1e6' },
       { label: 'needle-edge-on', href: '?scene=hard:needle-edge-on' },

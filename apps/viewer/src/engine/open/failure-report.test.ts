@@ -7,7 +7,7 @@ describe('reportFailure', () => {
     const error = new SplatFileError('truncated', 'a.ply', 'cut off', { byte: 12 });
     const report = reportFailure(error, 'a.ply');
     expect(report).toMatchObject({ title: 'a.ply is incomplete', message: 'a.ply: cut off (byte 12)' });
-    expect(report.isFault).toBe(false);
+    expect(report.isFault).toBeUndefined();
   });
 
   it.each([
@@ -100,7 +100,7 @@ describe('reportFailure', () => {
   });
 
   it('takes what was not thrown on purpose for a fault', () => {
-    expect(reportFailure(new InvalidArgumentError('far', 'far is 0'), 'a.ply').isFault).toBe(false);
+    expect(reportFailure(new InvalidArgumentError('far', 'far is 0'), 'a.ply').isFault).toBeUndefined();
     expect(reportFailure(new TypeError('x is undefined'), 'a.ply').isFault).toBe(true);
     expect(reportFailure('a string', 'a.ply').message).toBe('a string');
   });

@@ -35,11 +35,11 @@ export function reportFailure(error: unknown, title: string): FailureReport {
       error.status === undefined
         ? 'Check the address and the connection. Another server must also allow this page to read it, by the header Access-Control-Allow-Origin (CORS).'
         : 'Check the address.';
-    return { title: `${error.file} cannot be read`, message: error.message, advice, isFault: false };
+    return { title: `${error.file} cannot be read`, message: error.message, advice };
   }
   if (error instanceof HardCaseError) {
     const { message, links } = error;
-    return { title: 'No such scene', message, advice: '', isFault: false, links };
+    return { title: 'No such scene', message, links };
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
@@ -50,12 +50,10 @@ export function reportFailure(error: unknown, title: string): FailureReport {
       title: 'Too large for this GPU',
       message: hasSizes ? `${error.message} (${sizes})` : error.message,
       advice: 'Open a smaller scene, or use a GPU with larger limits.',
-      isFault: false,
     };
   }
   const message = error instanceof Error ? error.message : String(error);
-  if (error instanceof WebSplatterError)
-    return { title: `${title} cannot be shown`, message, advice: '', isFault: false };
+  if (error instanceof WebSplatterError) return { title: `${title} cannot be shown`, message };
   return {
     title: `${title} cannot be shown`,
     message,
@@ -65,16 +63,16 @@ export function reportFailure(error: unknown, title: string): FailureReport {
 }
 
 function fileFailure({ code, file, message, place, found, advice }: SplatFileError): FailureReport {
-  const plain = { advice: '', details: message, isFault: false };
+  const details = message;
   if (found && found.length <= LONGEST_NAME)
     return {
-      ...plain,
+      details,
       // Parentheses hold examples and counts.
       title: `${file} ${found.replaceAll(/ \([^)]*\)/g, '')}`,
       message: advice ? `${advice[0].toUpperCase()}${advice.slice(1)}.` : `Opens ${READABLE_FORMATS}.`,
     };
   if (code === 'empty' && place.byte === 0)
-    return { ...plain, title: `${file} is empty`, message: 'Check the download or the path.' };
+    return { details, title: `${file} is empty`, message: 'Check the download or the path.' };
   if (place.byte !== undefined && place.expectedBytes !== undefined) {
     const advice = 'Download or export it again.';
     const missing = place.expectedBytes - place.byte;
@@ -83,7 +81,7 @@ function fileFailure({ code, file, message, place, found, advice }: SplatFileErr
       missing < place.expectedBytes / 100
         ? `The last ${formatCount(missing)} bytes are missing.`
         : `${formatBytesOf(place.byte, place.expectedBytes)} arrived.`;
-    return { ...plain, title: `${file} is incomplete`, message: arrived, advice };
+    return { details, title: `${file} is incomplete`, message: arrived, advice };
   }
-  return { title: `${file} ${FILE_PROBLEMS[code]}`, message, advice: '', isFault: false };
+  return { title: `${file} ${FILE_PROBLEMS[code]}`, message };
 }

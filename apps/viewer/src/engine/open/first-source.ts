@@ -57,6 +57,5 @@ function noAddress(text: string): FailureReport {
     message: `“${text}” is not an address.`,
     advice:
       'Write ?src= and the address of a scene, whole or relative to this page; ?src=…&src=… for several.',
-    isFault: false,
   };
 }

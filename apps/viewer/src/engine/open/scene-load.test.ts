@@ -29,7 +29,7 @@ const session = {} as Session;
 const sceneOf = (files: number, change: Partial<ShownScene> = {}) =>
   ({ session, parts: Array(files).fill({}), firstView: null, ownCameras: null, ...change }) as ShownScene;
 const asked = (key: number): AskedPart => ({ key, source: { kind: 'hard-case', name: 'a' }, look: null });
-const report = { title: '', message: '', advice: '', isFault: false };
+const report = { title: '', message: '' };
 
 const scene = sceneOf(1);
 const [one, two, three] = [1, 2, 3].map(asked);

@@ -86,9 +86,9 @@ const failureReports = lazyCode(() => import('./failure-report.ts'));
 
 /** Calls `reportFailure`, which is fetched with the first failure: most visits have none. */
 async function reportedFailure(error: unknown, title: string): Promise<FailureReport> {
-  const report = await failureReports().then(
+  const report: FailureReport = await failureReports().then(
     ({ reportFailure }) => reportFailure(error, title),
-    () => ({ title: `${title} cannot be shown`, message: String(error), advice: '', isFault: false }),
+    () => ({ title: `${title} cannot be shown`, message: String(error) }),
   );
   if (report.isFault) console.error(error);
   return report;
