@@ -9,14 +9,13 @@ import { type Choice, Choices } from '@websplatter/kit/choices';
 import { formatMany, formatPsnr } from '@websplatter/kit/format';
 import { type CSSProperties, useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
-import { editPicture } from '../engine/edit-picture.ts';
+import { editPicture, setAccuracy } from '../engine/edit-picture.ts';
 import type { ShownFrame } from '../engine/show/drawn-frame.ts';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import { detailOfFrames, SETTING_NAMES, type SettingName } from '../state/accuracy.ts';
 import type { ViewerState } from '../state/store.ts';
 import { describeDetail, formatValue, type SettingValue, valueWords } from '../ui/accuracy-words.ts';
 import { useGesture } from '../ui/use-gesture.ts';
-import { setAccuracy } from './edit-accuracy.ts';
 
 /** A control for every setting, with its description. */
 export function AccuracySettingsForm({ store, viewer }: PanelProps) {

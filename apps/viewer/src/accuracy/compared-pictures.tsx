@@ -5,6 +5,7 @@ import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
 import { workerFailure } from '@websplatter/kit/worker-failure';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
+import { compare } from '../engine/edit-picture.ts';
 import { drawAtRest, drawLayer } from '../engine/show/draw-at-rest.ts';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import { type Comparison, comparedWithReference, type Drawn, sideDrawn } from '../state/accuracy.ts';
@@ -12,7 +13,6 @@ import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { describeDrawn } from '../ui/accuracy-words.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
-import { compare } from './edit-accuracy.ts';
 import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapTasks } from './error-map.worker.ts';
 

@@ -1,6 +1,7 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { useStore } from 'zustand';
+import { compare } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import {
   type Comparison,
@@ -10,7 +11,6 @@ import {
   PRESET_NAMES,
 } from '../state/accuracy.ts';
 import { describeAccuracy } from '../ui/accuracy-words.ts';
-import { compare } from './edit-accuracy.ts';
 
 type Kind = Comparison['kind'] | 'none';
 

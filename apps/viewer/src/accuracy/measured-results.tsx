@@ -2,11 +2,11 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '@websplatter/kit/format';
 import { useState } from 'react';
 import { useStore } from 'zustand';
+import { setAccuracy } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { isSameAccuracy } from '../state/accuracy.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
-import { setAccuracy } from './edit-accuracy.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';
 
 /** The newest measured table, as a chart and as a sortable table to choose from. */

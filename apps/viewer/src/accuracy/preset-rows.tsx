@@ -3,12 +3,12 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { formatCount, formatMs } from '@websplatter/kit/format';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
+import { setAccuracy } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/accuracy.ts';
 import type { JudgedPicture, JudgedPictures } from '../state/measured.ts';
 import { PRESET_WORDS } from '../ui/accuracy-words.ts';
 import { formatPart, Pixels } from './compared-pictures.tsx';
-import { setAccuracy } from './edit-accuracy.ts';
 
 /** Refresh rates of displays, per second: bars have a tick where a frame takes as long. */
 const DISPLAY_HZ = [120, 60];

@@ -1,4 +1,6 @@
+import type { AccuracySettings } from '@websplatter/core';
 import { shallow } from 'zustand/vanilla/shallow';
+import type { Comparison } from '../state/accuracy.ts';
 import type { Edit } from '../state/history.ts';
 import { recordEdit } from '../state/make-edit.ts';
 import type { ViewerState } from '../state/store.ts';
@@ -79,4 +81,14 @@ function alike(settings: Changed, now: Settings): Changed {
     now.look[name as keyof Settings['look']],
   ]);
   return { ...Object.fromEntries(entries), ...(settings.look && { look: Object.fromEntries(looks) }) };
+}
+
+/** Draws with settings that a person has chosen. @param gesture as for `editPicture`. */
+export function setAccuracy(panel: PanelProps, settings: AccuracySettings, gesture?: object): void {
+  editPicture(panel, 'accuracy', () => panel.viewer.setAccuracy(settings), gesture);
+}
+
+/** Shows a comparison that a person has chosen; null ends it. */
+export function compare(panel: PanelProps, comparison: Comparison | null): void {
+  editPicture(panel, 'comparison', () => panel.viewer.compare(comparison));
 }

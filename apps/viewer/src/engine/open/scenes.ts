@@ -37,6 +37,7 @@ import {
   isPartial,
   NOTHING_ASKED,
   opened,
+  type Preview,
   previewOf,
   putFirst,
   type ReplacedWork,
@@ -265,8 +266,8 @@ export class Scenes {
     const look = { ...(this.lookOf(key) ?? PLAIN_LOOK), ...change };
     const queue = this.#load.queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
     this.#load = { ...this.#load, queue };
-    const part = previewOf(this.#load)?.part;
-    if (part?.key === key) this.#changePreview({ ...part, look });
+    const preview = previewOf(this.#load);
+    if (preview?.part.key === key) this.#changePreview(preview, { ...preview.part, look });
     else this.#changePart(key, (each) => ({ ...each, look }));
   }
 
@@ -512,7 +513,8 @@ export class Scenes {
 
   async #show(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): Promise<void> {
     const { camera, store, onClouds, onShow } = this.#options;
-    const { loaded, source } = part;
+    const { loaded } = part;
+    const title = titleOf(part.source);
     this.#dropWaiting();
     const scene = this.#sceneWith(session, part);
     if (this.#lacksView(scene)) {
@@ -537,26 +539,26 @@ export class Scenes {
     this.#present(scene);
     for (const { cloud } of loaded.clouds) {
       const { fit } = cloud;
-      if (fit) this.#say(({ fitNotice }) => this.#notice(fitNotice(titleOf(source), fit)));
+      if (fit) this.#say(({ fitNotice }) => this.#notice(fitNotice(title, fit)));
     }
     if (loaded.refusal)
-      void reportedFailure(loaded.refusal, titleOf(source)).then(({ title, message, ...rest }) => {
-        const failure = { ...rest, title: 'Refused, as it should be', message: `${title}. ${message}` };
-        store.setState({ failure });
+      void reportedFailure(loaded.refusal, title).then((report) => {
+        const message = `${report.title}. ${report.message}`;
+        store.setState({ failure: { ...report, title: 'Refused, as it should be', message } });
       });
     if (loaded.sampleFailure)
-      void this.#fail(
-        loaded.sampleFailure,
-        titleOf(source),
-        `Only some splats of ${titleOf(source)} are shown`,
-      );
+      void this.#fail(loaded.sampleFailure, title, `Only some splats of ${title} are shown`);
     onClouds();
     if (joins && this.#load.role === 'joins' && asked.look === null) this.#recordAddition(part);
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
     else if (!isReopened && !preview) this.#showFirstView(asked);
     if (previous && !joins && !isReopened) this.#leave({ parts: previous.parts, ...before });
-    if (asked.left) this.#giveBack(asked.left);
+    if (asked.left) {
+      const { work } = asked.left;
+      store.setState({ ...work, inspecting: withoutSplats(work.inspecting) });
+      camera.restore(asked.left.camera);
+    }
     onShow();
   }
 
@@ -588,11 +590,6 @@ export class Scenes {
     const title = titleOfAll(left.parts.map(({ source }) => source));
     store.setState({ leftScene: isEdited ? { title, bringBack: () => this.#bringBack(left) } : null });
     if (isEdited) this.#say(({ leftNotice }) => store.setState({ notice: leftNotice(title, inspecting) }));
-  }
-
-  #giveBack({ camera, work }: ReplacedWork): void {
-    this.#options.store.setState({ ...work, inspecting: withoutSplats(work.inspecting) });
-    this.#options.camera.restore(camera);
   }
 
   /** All files are open: finds the first view of a new scene again, from all of them. */
@@ -705,13 +702,11 @@ export class Scenes {
   #showPreview(scene: ShownScene, asked: AskedPart, part: ShownPart): void {
     const { camera, store, onShow } = this.#options;
     const before = previewOf(this.#load);
-    const preview = {
-      scene,
-      part,
-      camera: before ? before.camera : this.newest && camera.snapshot(),
-      work: before ? before.work : workOn(store.getState()),
+    const { camera: view, work } = before ?? {
+      camera: this.newest && camera.snapshot(),
+      work: workOn(store.getState()),
     };
-    this.#load = arrived(this.#load, preview);
+    this.#load = arrived(this.#load, { scene, part, camera: view, work });
     this.#present(scene);
     const joins = scene.parts.length > 1;
     if (!before && !joins && !this.#isReopened(part)) this.#showFirstView(asked);
@@ -748,13 +743,11 @@ export class Scenes {
     const preview = previewOf(this.#load);
     // A preview that replaces the scene shows none of its files.
     if (preview && this.#load.role === 'replaces') return;
-    if (preview) this.#changePreview(preview.part);
+    if (preview) this.#changePreview(preview, preview.part);
     else this.#presentChanged(scene);
   }
 
-  #changePreview(part: ShownPart): void {
-    const preview = previewOf(this.#load);
-    if (!preview) return;
+  #changePreview(preview: Preview, part: ShownPart): void {
     const scene = this.#sceneWith(preview.scene.session, part);
     this.#load = arrived(this.#load, { ...preview, part, scene });
     this.#presentChanged(scene);

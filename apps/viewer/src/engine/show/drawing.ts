@@ -253,7 +253,8 @@ export class Drawing {
   #report({ views }: Session, changes: Pick<ViewerState, 'isOwnCamera' | 'lastRender'>): void {
     const { store } = this.#options;
     const { dock } = store.getState();
-    if (dock === 'effects') this.#listChangedEffects(views.main);
+    // Reasons that differ only in numbers, as while a slider is dragged, are published at rest.
+    if (dock === 'effects') this.#listEffects(views.main, (effects) => effects.map(({ isOn }) => isOn));
     store.setState({ isIdle: false, ...changes });
   }
 
@@ -286,7 +287,7 @@ export class Drawing {
       store.setState({ isIdle: true });
       return;
     }
-    this.#listEffects(session.views.main);
+    this.#listEffects(session.views.main, (effects) => effects);
     const key = imageKey(drawn);
     const isSame = key === this.#restedKey;
     this.#restedKey = key;
@@ -305,21 +306,12 @@ export class Drawing {
     performance.measure(FIRST_PICTURE);
   }
 
-  /** Reasons that differ only in numbers, as while a slider is dragged, are published at rest. */
-  #listChangedEffects(view: SplatView): void {
+  /** @param told what must have changed in the list: mostly nothing has, and React need not render. */
+  #listEffects(view: SplatView, told: (effects: ViewerState['effects']) => unknown): void {
     const { store } = this.#options;
     const effects = view.effects();
-    const before = store.getState().effects;
-    const isSame =
-      effects.length === before.length && effects.every(({ isOn }, i) => isOn === before[i].isOn);
-    if (!isSame) store.setState({ effects });
-  }
-
-  #listEffects(view: SplatView): void {
-    const { store } = this.#options;
-    const effects = view.effects();
-    // Mostly nothing has changed, and React need not render.
-    if (JSON.stringify(effects) !== JSON.stringify(store.getState().effects)) store.setState({ effects });
+    if (JSON.stringify(told(effects)) !== JSON.stringify(told(store.getState().effects)))
+      store.setState({ effects });
   }
 }
 
