@@ -133,9 +133,9 @@ export {
 } from './gpu/timing/frame-statistics.ts';
 export type { SplatFormatName } from './io/formats/formats.ts';
 export { encodePly } from './io/formats/ply/write-ply.ts';
-export { setWorkerUrl } from './io/loading/hosted-worker.ts';
 export { type LoadSplatsOptions, loadSplats } from './io/loading/load-splats.ts';
 export { readSplats } from './io/loading/read-splats.ts';
+export { setWorkerUrl } from './io/loading/start-worker.ts';
 export { lastingSource } from './io/sources/known-source.ts';
 export type {
   LastingSource,

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { encodePly } from './io/formats/ply/write-ply.ts';
-import type { LoadRequest } from './io/loading/load-messages.ts';
+import type { LoadRequest } from './io/loading/serve-load.ts';
 import type { RemoteRequest } from './io/remote.ts';
 import { knownSource } from './io/sources/known-source.ts';
 import { randomSplats } from './testing/random-splats.ts';

@@ -4,8 +4,7 @@ import { builderTasks } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/rays/ray-tree-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { SCENE_TASKS, WAITING_TASKS } from './io/formats/scene-tasks.ts';
-import { withPageDecoder } from './io/loading/page-decoder.ts';
-import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
+import { type LoadPort, serveLoad, withPageDecoder } from './io/loading/serve-load.ts';
 import { type ServerPort, serve } from './io/remote.ts';
 
 // `@websplatter/core/load-worker`: the script of all workers. It is built as one file without

@@ -3,8 +3,7 @@ import { makeRayTree } from './clouds/rays/rays.ts';
 import { CodeUnavailableError } from './data/errors.ts';
 import { packCloud } from './data/packing/packed-cloud.ts';
 import { openBrickWriter, openFrameWriter, runBrickTask, sogImageAddresses } from './io/formats/writers.ts';
-import { readSplatPieces } from './io/loading/read-splat-pieces.ts';
-import { readSplats } from './io/loading/read-splats.ts';
+import { readSplatPieces, readSplats } from './io/loading/read-splats.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 function offline(): never {

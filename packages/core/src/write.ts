@@ -47,6 +47,6 @@ export {
   writeSplatPieces,
   writeSplats,
 } from './io/formats/writers.ts';
-export { readSplatPieces } from './io/loading/read-splat-pieces.ts';
+export { readSplatPieces } from './io/loading/read-splats.ts';
 /** @internal For other packages of this repository. */
 export { Remote, RemotePool, serve } from './io/remote.ts';

@@ -4,8 +4,7 @@ import { glbBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts
 import { plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { rowsOf } from '../../testing/rows-of.ts';
-import { readSplatPieces } from '../loading/read-splat-pieces.ts';
-import { readSplats } from '../loading/read-splats.ts';
+import { readSplatPieces, readSplats } from '../loading/read-splats.ts';
 
 const [NEAR, FAR]: readonly Vec3[] = [
   [0, 0, 0],

@@ -1,6 +1,5 @@
 import { browserDecoder } from '../containers/browser-webp.ts';
-import { withPageDecoder } from '../loading/page-decoder.ts';
-import { type LoadPort, serveLoad } from '../loading/serve-load.ts';
+import { type LoadPort, serveLoad, withPageDecoder } from '../loading/serve-load.ts';
 import { ALL_READERS } from './readers.ts';
 
 // Starts the probe for SOG images early, so that its result is ready before the images.

@@ -1,4 +1,4 @@
-import { decodeHere } from '../containers/decode-here.ts';
+import { decodeHere } from '../loading/meshopt-on-page.ts';
 import type { FormatReaders } from './read-format.ts';
 import { ALL_READERS } from './readers.ts';
 

@@ -21,11 +21,9 @@ import type { RowSink } from '../formats/row-sink.ts';
 import { fromPostedError, toPostedError } from '../posted-error.ts';
 import { knownSource, lastingSource } from '../sources/known-source.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
-import { setWorkerUrl } from './hosted-worker.ts';
-import type { LoadRequest } from './load-messages.ts';
 import { loadOrPass, loadSplats } from './load-splats.ts';
-import { withPageDecoder } from './page-decoder.ts';
-import { type LoadPort, serveLoad } from './serve-load.ts';
+import { type LoadPort, type LoadRequest, serveLoad, withPageDecoder } from './serve-load.ts';
+import { setWorkerUrl } from './start-worker.ts';
 
 const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(300, 1)] });
 

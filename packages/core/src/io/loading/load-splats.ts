@@ -7,10 +7,8 @@ import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { fromPostedError } from '../posted-error.ts';
 import { bytesOf, isBlob, type KnownSource, knownSource } from '../sources/known-source.ts';
 import type { ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
-import { hostedWorker } from './hosted-worker.ts';
-import type { LoadReply, LoadRequest, LoadSettings } from './load-messages.ts';
-import { startWorker, workerStopped } from './start-worker.ts';
-import { endWorker } from './try-worker.ts';
+import type { LoadReply, LoadRequest, LoadSettings } from './serve-load.ts';
+import { endWorker, hostedWorker, startWorker, workerStopped } from './start-worker.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';
 import type { WORKERS } from './workers.ts';
 
@@ -194,7 +192,7 @@ function loadInWorker(
 
 /** Few files need the decoder, so its code is fetched on first use. */
 async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
-  const { answerPackedView } = await fetched('loading', import('./answer-packed-view.ts'));
+  const { answerPackedView } = await fetched('loading', import('./meshopt-on-page.ts'));
   await answerPackedView(packed);
 }
 

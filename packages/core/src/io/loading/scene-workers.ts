@@ -1,8 +1,7 @@
 import { DestroyedError, fetched } from '../../data/errors.ts';
 import type { SceneTasks } from '../formats/scene-tasks.ts';
 import { Remote, RemotePool } from '../remote.ts';
-import { hostedWorker } from './hosted-worker.ts';
-import { startWorker, workerStopped } from './start-worker.ts';
+import { hostedWorker, startWorker, workerStopped } from './start-worker.ts';
 
 /** Most workers per scene: fetching and placing parts is the bottleneck beyond. */
 const MOST_WORKERS = 6;

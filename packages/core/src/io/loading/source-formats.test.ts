@@ -8,8 +8,7 @@ import { zipBytes } from '../../testing/zip-fixture.ts';
 import { SPLAT_FORMATS } from '../formats/formats.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { loadSplats } from './load-splats.ts';
-import { readSplatPieces } from './read-splat-pieces.ts';
-import { readSplats } from './read-splats.ts';
+import { readSplatPieces, readSplats } from './read-splats.ts';
 
 /** Two splats of 32 bytes, which nothing but a name tells. */
 const splat = new Uint8Array(64);

@@ -1,6 +1,5 @@
 import { WebSplatterError } from '../../data/errors.ts';
 import { baseUrl } from '../sources/known-source.ts';
-import { tryWorker } from './try-worker.ts';
 
 // Fetched only if a worker does not start.
 
@@ -11,14 +10,14 @@ let wasReported = false;
  * the page's own origin imports the script. Resolves with null if that fails too. The first failure
  * prints advice to the console.
  *
- * Rejects with the signal's reason.
+ * Rejects as `start`.
  */
 export async function startElsewhere(
   make: () => Worker,
-  signal: AbortSignal | undefined,
+  start: (make: () => Worker) => Promise<Worker | null>,
 ): Promise<Worker | null> {
   const address = addressOf(make);
-  const worker = address && isOfOtherOrigin(address) ? await startFromBlob(address, signal) : null;
+  const worker = address && isOfOtherOrigin(address) ? await startFromBlob(address, start) : null;
   if (!worker && !wasReported) {
     wasReported = true;
     console.warn(workerUnavailable(address));
@@ -50,11 +49,14 @@ function isOfOtherOrigin({ protocol, origin }: URL): boolean {
   return /^https?:$/.test(protocol) && origin !== globalThis.location?.origin;
 }
 
-async function startFromBlob(address: URL, signal: AbortSignal | undefined): Promise<Worker | null> {
+async function startFromBlob(
+  address: URL,
+  start: (make: () => Worker) => Promise<Worker | null>,
+): Promise<Worker | null> {
   const script = new Blob([`import ${JSON.stringify(address.href)};`], { type: 'text/javascript' });
   const url = URL.createObjectURL(script);
   try {
-    return await tryWorker(() => new Worker(url, { type: 'module' }), signal);
+    return await start(() => new Worker(url, { type: 'module' }));
   } finally {
     URL.revokeObjectURL(url);
   }

@@ -2,7 +2,6 @@ import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/e
 import { onAbort } from '../../data/on-abort.ts';
 import { shown } from '../../data/printable.ts';
 import { Turns } from '../../data/turns.ts';
-import { lockedStreamError } from './known-source.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
 
 type ReaderSource = Pick<OpenedSource, 'name' | 'stream' | 'idleTimeoutMs' | 'resume'>;
@@ -349,6 +348,13 @@ function readerOf(stream: ReadableStream<Uint8Array>): Reader {
     // The stream is no byte stream; a locked stream throws again below.
     return { kind: 'chunks', reader: stream.getReader() };
   }
+}
+
+export function lockedStreamError(name: string): SplatSourceError {
+  return new SplatSourceError(
+    name,
+    'the stream is locked: something else is reading it, or has read it. Pass a fresh stream, or the Blob or URL itself.',
+  );
 }
 
 export function messageOf(cause: unknown): string {

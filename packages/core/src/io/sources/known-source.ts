@@ -1,4 +1,4 @@
-import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
 import { printable } from '../../data/printable.ts';
 import type {
@@ -169,11 +169,4 @@ export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
   }
   const expected = 'it must be a URL, Blob, File, { files }, ArrayBuffer, view or ReadableStream';
   throw new InvalidArgumentError('source', `source is ${tag}; ${expected}.`);
-}
-
-export function lockedStreamError(name: string): SplatSourceError {
-  return new SplatSourceError(
-    name,
-    'the stream is locked: something else is reading it, or has read it. Pass a fresh stream, or the Blob or URL itself.',
-  );
 }

@@ -1,4 +1,5 @@
-import { bytesOf, type KnownSource, lockedStreamError } from './known-source.ts';
+import { lockedStreamError } from './byte-reader.ts';
+import { bytesOf, type KnownSource } from './known-source.ts';
 import { openUrl } from './open-url.ts';
 import type { OpenedSource, ReadOptions } from './splat-source.ts';
 

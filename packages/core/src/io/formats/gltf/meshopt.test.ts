@@ -8,8 +8,8 @@ import { type AnyJson, glbBytes, gltfOf, splatAttributes } from '../../../testin
 import { type MeshoptOptions, meshoptPacked } from '../../../testing/meshopt-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { damagedBytes, outcomeOf } from '../../../testing/read-damaged.ts';
-import { decodeHere } from '../../containers/decode-here.ts';
 import type { PackedView } from '../../containers/meshopt.ts';
+import { decodeHere } from '../../loading/meshopt-on-page.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 
 const set = randomSplats({ count: 333, shDegree: 2, halfExtent: 0.6 });

@@ -23,8 +23,7 @@ import {
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
-import { readSplatPieces } from '../../loading/read-splat-pieces.ts';
-import { readSplats } from '../../loading/read-splats.ts';
+import { readSplatPieces, readSplats } from '../../loading/read-splats.ts';
 import { PieceFacts } from '../piece-facts.ts';
 import { SNIFF_BYTES } from '../read-format.ts';
 import { writeSplatPieces, writeSplats } from '../writers.ts';

@@ -21,8 +21,7 @@ import {
 import { outcomeOf } from '../../../testing/read-damaged.ts';
 import { droppedFiles } from '../../../testing/sog-fixture.ts';
 import { zipBytes } from '../../../testing/zip-fixture.ts';
-import { readSplatPieces } from '../../loading/read-splat-pieces.ts';
-import { readSplats } from '../../loading/read-splats.ts';
+import { readSplatPieces, readSplats } from '../../loading/read-splats.ts';
 import type { SplatSource } from '../../sources/splat-source.ts';
 
 const read = (source: SplatSource) => readSplats(source, { name: 'scene.rad', shPrecision: 'f32' });
