@@ -53,8 +53,8 @@ export interface FormatReaders {
    * @param fileNames see `SplatInput`.
    */
   pick(firstBytes: Uint8Array, file: string, fileNames: readonly string[]): ReadFormat | null;
-  /** Valid values of the option `format`; undefined if the page has checked it. */
-  readonly formatNames?: readonly string[];
+  /** Throws InvalidArgumentError if there is no such format; undefined if the page has chosen the worker by it. */
+  readonly checkFormat?: (format: string | undefined) => void;
   /** See `SplatFormatOptions`. */
   readonly decodeMeshopt?: DecodeMeshopt;
   /** For formats with several files. */

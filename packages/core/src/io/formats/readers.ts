@@ -1,3 +1,4 @@
+import { checkOneOf } from '../../data/packing/check-precision.ts';
 import { openFiles } from '../sources/open-files.ts';
 import { detectFormat } from './detect.ts';
 import { SPLAT_FORMATS } from './formats.ts';
@@ -9,12 +10,14 @@ const READERS = import.meta.glob<ReadFormat>(['./*/read-*.ts', '!./*/*.test.ts']
   import: 'read',
 });
 
+const FORMAT_NAMES = SPLAT_FORMATS.map(({ name }) => name);
+
 /** For the worker of all formats, and for threads without a worker. */
 export const ALL_READERS: FormatReaders = {
   pick: (firstBytes, file, fileNames) => {
     const { name } = detectFormat(firstBytes, file, fileNames);
     return READERS[`./${name}/read-${name}.ts`];
   },
-  formatNames: SPLAT_FORMATS.map(({ name }) => name),
+  checkFormat: (format) => checkOneOf('format', format, FORMAT_NAMES),
   openFiles,
 };

@@ -1,6 +1,4 @@
-import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
-import { checkOneOf, checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import { ownShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
@@ -35,12 +33,11 @@ export async function readSource(
 export async function readSource(
   source: KnownSource,
   options: ReadSourceOptions,
-  { pick, formatNames, openFiles, decodeMeshopt }: FormatReaders,
+  { pick, checkFormat, openFiles, decodeMeshopt }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
-  const { signal, onPiece, shPrecision = 'u8' } = given(options, { name: 'a string?' });
-  checkPrecision({ shPrecision });
-  if (formatNames) checkOneOf('format', options.format, formatNames);
+  const { signal, onPiece, shPrecision = 'u8' } = options;
+  checkFormat?.(options.format);
   if (source.kind === 'frame') return source.frame.readFrame(ownShPrecision(shPrecision), signal);
   const opened = source.kind === 'files' ? openFiles!(source, options) : await openSource(source, options);
   let reader: ByteReader | undefined;

@@ -1,4 +1,3 @@
-import { checkPrecision } from '../../data/packing/check-precision.ts';
 import { type PackedCloud, packCloud, transferablesOf } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
@@ -77,7 +76,6 @@ export async function readAndPack(
   readers: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<PackedCloud | Passed> {
-  checkPrecision({ geometryPrecision });
   let last: LoadProgress | undefined;
   const watched = (progress: LoadProgress) => {
     last = progress;

@@ -1,5 +1,7 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
-import { given } from '../../data/given.ts';
+import { given, wrongArgument } from '../../data/given.ts';
+import { checkPrecision } from '../../data/packing/check-precision.ts';
+import type { CloudPrecision } from '../../data/packing/precision.ts';
 import { printable } from '../../data/printable.ts';
 import type {
   LastingSource,
@@ -41,15 +43,19 @@ export type KnownSource = SourceNames &
   );
 
 /**
- * Finds out what a caller's source is.
+ * Finds out what a caller's source is, and checks the options of its read. `format` and `request` are checked where
+ * their code is: by the readers of all formats, and where a request is made.
  *
- * @throws InvalidArgumentError if `options` are none, or if the source is neither a string nor an object.
+ * @throws InvalidArgumentError for wrong options, or if the source is neither a string nor an object.
  */
 export function knownSource(
   source: SplatSource,
-  options: Pick<SourceOptions, 'format' | 'name'> = {},
+  options: SourceOptions & Partial<CloudPrecision> = {},
 ): KnownSource {
-  const { format, name } = given(options, { name: 'a string?' });
+  const { format, name, maxBytes, maxSplats = 1 } = given(options, { name: 'a string?' });
+  checkPrecision(options);
+  for (const [limit, value] of Object.entries({ maxBytes: maxBytes ?? 1, maxSplats }))
+    if (!(typeof value === 'number' && value > 0)) throw wrongArgument(limit, value, 'a number above 0');
   const names = (ownName: string, fileName?: unknown): SourceNames => ({
     name: name ?? ownName,
     fileNames: format === undefined ? lastParts([name, fileName]) : [`.${format}`],

@@ -1,5 +1,4 @@
 import { SplatFileError } from '../../data/errors.ts';
-import { wrongArgument } from '../../data/given.ts';
 import type { OpenedSource, ReadLimits } from './splat-source.ts';
 
 /** As many splats of degree 3, 248 bytes each as trained, as fit into `DEFAULT_MAX_BYTES`. */
@@ -10,20 +9,14 @@ const MOST_UNPACKED = 64;
 /** This many unpacked bytes are always accepted. */
 const HARMLESS_BYTES = 2 ** 26;
 
-/**
- * Returns the limits for reading `opened`.
- *
- * @throws InvalidArgumentError unless both limits are positive.
- */
+/** Returns the limits for reading `opened`. */
 export function limitsOf(
   { maxBytes, maxSplats = DEFAULT_MAX_SPLATS }: ReadLimits,
   { isHeld, sentBytes }: Pick<OpenedSource, 'isHeld' | 'sentBytes'>,
 ): Required<ReadLimits> {
   const fromServer = Math.max(HARMLESS_BYTES, MOST_UNPACKED * (sentBytes ?? Number.POSITIVE_INFINITY));
   const usual = isHeld ? Number.POSITIVE_INFINITY : Math.min(DEFAULT_MAX_BYTES, fromServer);
-  const limits = { maxBytes: maxBytes ?? usual, maxSplats };
-  for (const [name, value] of Object.entries(limits)) checkLimit(name, value);
-  return limits;
+  return { maxBytes: maxBytes ?? usual, maxSplats };
 }
 
 /** Most bytes that a compressed source may unpack to. */
@@ -32,11 +25,6 @@ export function unpackedLimit(
   { totalBytes = Number.POSITIVE_INFINITY }: Pick<OpenedSource, 'totalBytes'>,
 ): number {
   return maxBytes ?? Math.min(DEFAULT_MAX_BYTES, Math.max(HARMLESS_BYTES, MOST_UNPACKED * totalBytes));
-}
-
-function checkLimit(argument: string, value: number): void {
-  if (typeof value === 'number' && value > 0) return;
-  throw wrongArgument(argument, value, 'a number above 0');
 }
 
 /** @throws SplatFileError 'too-large' if the stated size exceeds the limit. */
