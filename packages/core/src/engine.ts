@@ -31,7 +31,7 @@ import { checkPacked } from './data/packing/packed-cloud.ts';
 import type { CloudPrecision } from './data/packing/precision.ts';
 import type { SplatSet } from './data/splats/splat-set.ts';
 import type { GpuSplats, GpuSplatsOptions } from './features/gpu-splats/gpu-splats.clouds.ts';
-import { frameStages } from './frame/frame.ts';
+import { frameStages } from './frame/frame-passes.ts';
 import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
 import type { EffectEntry } from './frame/ledger/ledger.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from './frame/pair-capacity.ts';

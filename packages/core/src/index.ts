@@ -112,7 +112,7 @@ export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
 export { frameScene } from './frame/frame-scene.ts';
 export type { EffectEntry } from './frame/ledger/ledger.ts';
-export type { EmbeddedImage } from './frame/parts/compose.ts';
+export type { EmbeddedImage } from './frame/parts/host-textures.ts';
 export {
   adapterLabel,
   type DeviceOptions,

@@ -5,8 +5,8 @@ import { roundUp } from '../data/layout/gpu-struct.ts';
 import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
 import { countsInWindow } from '../stages/cut/cut.ts';
-import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage, pagesOf } from './frame-pages.ts';
-import type { PartContext } from './frame-part.ts';
+import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage } from './frame-pages.ts';
+import type { PartContext, StageTarget } from './frame-part.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
@@ -54,14 +54,18 @@ export class CutBuffers {
     }
   }
 
-  /** Returns the bindings of each batch of a cloud, and its number of thresholds; none without a cut. */
-  batchesOf(cloudIndex: number): { readonly own: Bindings; readonly thresholdCount: number }[] {
-    const cut = this.#cuts[cloudIndex];
-    if (!cut) return [];
-    return cut.batches.map(({ count }, batch) => ({
-      own: this.#bindingsOf(cut, batch),
-      thresholdCount: count * cut.levels.cellCount,
-    }));
+  /** The batches of all clouds that are cut. */
+  batches({ clouds }: FrameShape): StageTarget[] {
+    return clouds.flatMap((_, cloudIndex) => {
+      const cut = this.#cuts[cloudIndex];
+      if (!cut) return [];
+      return cut.batches.map(({ count }, batch) => ({
+        cloudIndex,
+        isBlobs: false,
+        count: count * cut.levels.cellCount,
+        resources: this.#bindingsOf(cut, batch),
+      }));
+    });
   }
 
   /** Returns the bindings of a page's cut; null without one. */
@@ -82,13 +86,7 @@ export class CutBuffers {
     };
   }
 
-  /** Bindings of the frame's budget; null without one. */
-  get budgetBindings(): Readonly<Record<'cutPlan' | 'cutCounts', GPUBuffer>> | null {
-    return this.#budget;
-  }
-
-  /** @param pages bindings of the stages of each page of the frame. */
-  write({ clouds, shape, budget }: FramePlan, pages: readonly Bindings[]): void {
+  write({ clouds, shape, budget }: FramePlan, pages: readonly StageTarget[]): void {
     const { queue } = this.#context.device;
     if (this.#budget && budget) {
       const contents = CutPlan.pack({
@@ -119,7 +117,9 @@ export class CutBuffers {
       queue.writeBuffer(cuts, 0, contents);
       cut.touched?.update(
         clouds[i],
-        pages.filter((_, page) => pagesOf(shape)[page].cloudIndex === i),
+        pages
+          .filter(({ cloudIndex }) => cloudIndex === i)
+          .map(({ resources, effects }) => ({ ...resources, ...effects })),
       );
     }
   }
@@ -135,6 +135,7 @@ export class CutBuffers {
           cutPlan: memory.createBuffer('frame cut plan', CutPlan.bytes, usage),
           cutCounts: memory.createBuffer('frame cut counts', COUNTS_BYTES, usage),
         };
+    Object.assign(this.#context.shared.resources, this.#budget ?? { cutPlan: null, cutCounts: null });
   }
 
   #make(levels: Levels, batches: readonly Batch[]): Cut {

@@ -9,8 +9,8 @@ import { renderReference } from '../reference/render.ts';
 import { compareImages } from '../stages/measure/measure.reference.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
+import { frameStages } from './frame-passes.ts';
 import type { FrameRequest } from './frame-request.ts';
-import { Tiles } from './parts/tiles.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const PLACE = { position: [0, 0, 0], target: [0, 0, -1], aspect: 1 } as const;
@@ -146,7 +146,8 @@ describe('the order of a frame', () => {
       } as const;
       for (const sortBy of ['depth', 'distance'] as const) {
         await draw(RED, BLUE, { sortBy, accuracy: { preset: 'reference', rasterizer: 'tiles' } });
-        const [stage] = Tiles.stages({ ...view.shape!, depth: host });
+        const stages = frameStages({ ...view.shape!, depth: host });
+        const stage = stages.find((each) => 'stage' in each && each.stage === 'tile-rasterize');
         expect(stage).toMatchObject({ conditions: { SHORT_KEYS: sortBy === 'distance' } });
       }
     },

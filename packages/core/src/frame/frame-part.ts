@@ -1,40 +1,13 @@
-import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { DispatchSize, RenderPass } from '../gpu/passes.ts';
 import type { Bindings, Pipelines } from '../gpu/pipelines.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
-/** Buffers that one part owns and stages of other parts bind, most of them by the same name. */
-export interface SharedBuffers {
+/** Buffers of a frame, by the names that `frame-passes.ts` lists for its stages. */
+export interface FrameBuffers {
   readonly view: GPUBuffer;
   readonly pageUniforms: GPUBuffer;
-  readonly records: GPUBuffer;
-  /** Number of visible splats. */
-  readonly visibleCount: GPUBuffer;
-  /** One `SortPlan` of the sort by depth, and the dispatch over its blocks. */
-  readonly depthSortPlan: GPUBuffer;
-  readonly depthSortDispatch: GPUBuffer;
-  /**
-   * Keys of the visible splats, or the lower words of wide keys. After the sort, tile lists use it as
-   * scratch memory of a word per splat.
-   */
-  readonly keys: GPUBuffer;
-  /** Upper words of wide keys; only for shapes with such keys. */
-  readonly upperKeys: GPUBuffer;
-  /** The visible splats back to front, after the sort. */
-  readonly order: GPUBuffer;
-  readonly drawArguments: GPUBuffer;
-  /** One `TileGrid` and one `TilePlan`; these and the buffers below only for shapes with tiles. */
-  readonly tileGrid: GPUBuffer;
-  readonly tilePlan: GPUBuffer;
-  readonly binStarts: GPUBuffer;
-  readonly binOrder: GPUBuffer;
-  readonly tileMasks: GPUBuffer;
-  /** Records of the pairs, by bin and front to back. */
-  readonly sortedRecords: GPUBuffer;
-  /** The buffers from here to `cullDispatches` are used by culling alone. */
   readonly cullParameters: GPUBuffer;
   readonly chunkOffsets: GPUBuffer;
   readonly visibleChunks: GPUBuffer;
@@ -44,35 +17,73 @@ export interface SharedBuffers {
   readonly pagePlans: GPUBuffer;
   readonly depthRange: GPUBuffer;
   readonly cullDispatches: GPUBuffer;
+  readonly visibleSplats: GPUBuffer;
+  /** Number of visible splats. */
+  readonly visibleCount: GPUBuffer;
   /** Dispatches of project by page, then of tile-count. */
   readonly projectDispatches: GPUBuffer;
-  readonly visibleSplats: GPUBuffer;
+  readonly drawArguments: GPUBuffer;
+  readonly records: GPUBuffer;
+  /** One `SortPlan` of the sort by depth, and the dispatch over its blocks. */
+  readonly depthSortPlan: GPUBuffer;
+  readonly depthSortDispatch: GPUBuffer;
+  /**
+   * Keys of the visible splats, or the lower words of wide keys. After the sort, tile lists use it as
+   * scratch memory of a word per splat.
+   */
+  readonly keys: GPUBuffer;
+  /** The visible splats back to front, after the sort. */
+  readonly order: GPUBuffer;
+  /** One `TileGrid`; this and the buffers below only for shapes with tiles. */
+  readonly grid: GPUBuffer;
+  readonly tilePlan: GPUBuffer;
+  readonly pairDispatches: GPUBuffer;
+  readonly binStarts: GPUBuffer;
+  readonly binOrder: GPUBuffer;
+  readonly tileMasks: GPUBuffer;
+  /** Records of the pairs, by bin and front to back. */
+  readonly sortedRecords: GPUBuffer;
 }
 
-/** Textures that splats are blended in, or that blended splats are enlarged into. */
-export interface LayerTextures {
-  /** Premultiplied RGBA in the space that splats are blended in. */
-  readonly color: GPUTexture;
-  /** View depth weighted like the colours; null if the shape does not need it. */
-  readonly depthLayer: GPUTexture | null;
-}
-
-/** GPU memory that parts share: each publishes its own, and reads others' to bind and draw. */
-export class SharedMemory {
-  /** A new object whenever one of them is replaced. */
-  buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
-  /** By page of the frame: bindings of the stages that run over it. */
-  pages: readonly Bindings[] = [];
+/** Buffers and textures of frames of some shapes; null, or of an earlier frame, for others. */
+interface OptionalResources {
+  /** One `CutPlan`, for frames with a budget. */
+  readonly cutPlan: GPUBuffer | null;
   /** One `HostDepth`, for shapes with depth. */
-  hostDepth: GPUBuffer | null = null;
-  /** One `HostViewport`, for frames inside another renderer's frame. */
-  viewport: GPUBuffer | null = null;
-  /** The layer that splats are blended in: of the image's size, or smaller. */
-  blended: LayerTextures | null = null;
-  /** The blended splats at the image's size. */
-  image: LayerTextures | null = null;
-  /** The host's depth at the size of `blended`. */
-  testedDepth: GPUTexture | null = null;
+  readonly hostDepth: GPUBuffer | null;
+  /** The host's depth at the size of `layer`. */
+  readonly testedDepth: GPUTexture | null;
+  /** The layer that splats are blended in, of the image's size or smaller: see `LayerTextures`. */
+  readonly layer: GPUTexture;
+  readonly depthLayer: GPUTexture | null;
+  /** The blended splats at the image's size: `layer` itself if nothing is enlarged. */
+  readonly image: GPUTexture;
+  readonly depthImage: GPUTexture | null;
+  /** The splats over the host's image. */
+  readonly composed: GPUTexture;
+}
+
+/** Resources of a frame by name; those that only stages bind have no type. */
+export type FrameResources = Bindings & FrameBuffers & Partial<OptionalResources>;
+
+/** Stages run once for each page, or for each batch of a cloud that is cut. */
+export interface StageTarget {
+  readonly cloudIndex: number;
+  /** Whether it is a page of merged splats. */
+  readonly isBlobs: boolean;
+  /** Its chunks, or the cells of its cuts. */
+  readonly count: number;
+  readonly resources: Bindings;
+  /** Whatever its cloud's effects bind; undefined without any. */
+  readonly effects?: Bindings;
+}
+
+/** GPU memory that parts share: each publishes its own under names that no other uses. */
+export class SharedMemory {
+  readonly resources = {} as { -readonly [Name in keyof FrameResources]: FrameResources[Name] };
+  /** The frame's pages, and its batches of cuts, with what stages bind there. */
+  pages: readonly StageTarget[] = [];
+  batches: readonly StageTarget[] = [];
 }
 
 export interface PartContext {
@@ -134,11 +145,7 @@ export interface Drawing {
   readonly sample: QuadsSample | null;
 }
 
-/**
- * A group of a frame's stages with the GPU memory that they need. A part that a shape does not use
- * runs no stages and holds nothing. Its class lists its stages, which are known before a part is
- * made. Only frame.ts orders parts.
- */
+/** GPU memory and uniforms of some of a frame's stages: nothing for shapes that do not run them. */
 export interface FramePart {
   /**
    * Returns the change that gives the part the memory that `plan` needs; null if it has that memory
@@ -147,10 +154,12 @@ export interface FramePart {
    * @throws GpuLimitError if a buffer would exceed the device's limits.
    */
   fit?(plan: FramePlan): PartChange | null;
-  /** Binds the stages of `shape`, after the changes of all parts. */
+  /** Publishes what depends on the shape alone, after the changes of all parts. */
   bind?(shape: FrameShape): void;
   /** Writes everything that changes from frame to frame. */
   write?(plan: FramePlan): void;
+  /** Publishes and writes what depends on the destination of a drawing. @throws GpuLimitError */
+  aim?(drawing: Drawing): void;
 }
 
 /** Creates the buffers of a part, labelled `prefix` and name. They can be copied from and to. */
@@ -167,12 +176,3 @@ export function createBuffers<Name extends string>(
   }
   return buffers;
 }
-
-/** Size of a dispatch with a thread for each pixel of `image`. */
-export function sizeOverImage(image: GPUTexture): DispatchSize {
-  const tiles = (px: number) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX);
-  return [tiles(image.width), tiles(image.height), 1];
-}
-
-/** One triangle over the whole target. */
-export const OVER_ALL: RenderPass['draws'] = [[3]];

@@ -7,7 +7,7 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { StorableCanvasFormat } from '../stages/composite/composite.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
-import type { SortDevice } from '../stages/sort/sort.ts';
+import { pairSortShapeFor, type SortDevice, type SortShape, sortShapeFor } from '../stages/sort/sort.ts';
 
 /** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {
@@ -81,6 +81,19 @@ export function isScaled({ accuracy }: Pick<FrameShape, 'accuracy'>): boolean {
 export function hasWideKeys({ keyBits }: Pick<FrameShape, 'keyBits'>): boolean {
   return keyBits > 32;
 }
+
+/** Sort of the visible splats by depth. */
+export function depthSortShape({ keyBits, sortDevice }: FrameShape): SortShape {
+  return sortShapeFor(keyBits, sortDevice);
+}
+
+/** Sort of the pairs by bin; one more key than bins, for pairs too many. */
+export function pairSortShape({ binCount, sortDevice }: FrameShape): SortShape {
+  return pairSortShapeFor(Math.ceil(Math.log2(binCount + 1)), sortDevice);
+}
+
+/** tile-plan and tile-emit do part of the work of that sort. */
+export const PAIR_SORT_OPTIONS = { firstCounts: 'given' } as const;
 
 /** Whether frames of both shapes can be pre-processed with the same buffers, if not shaders. */
 export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {

@@ -1,8 +1,13 @@
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import { type ComputePass, type FramePass, recordPass } from '../gpu/passes.ts';
-import type { CompiledStage } from '../gpu/pipelines.ts';
+import {
+  type ComputePass,
+  type Dispatch,
+  dispatchOf,
+  type FramePass,
+  ONE_WORKGROUP,
+  recordPass,
+} from '../gpu/passes.ts';
+import { type Bindings, type RenderStage, type StageDefinition, stageNameOf } from '../gpu/pipelines.ts';
 import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
-import { CutBuffers } from './cut-buffers.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
 import {
   type Destination,
@@ -11,104 +16,73 @@ import {
   type PartContext,
   type QuadsSample,
   SharedMemory,
+  type StageTarget,
 } from './frame-part.ts';
+import {
+  type AimedFrame,
+  type BoundFrame,
+  boundNames,
+  CANVAS_PASSES,
+  DRAW_PASSES,
+  ORDER_PASSES,
+  type OrderStage,
+  type StageRow,
+  stagesOf,
+} from './frame-passes.ts';
 import type { FramePlan } from './frame-plan.ts';
-import { type FrameShape, perShape } from './frame-shape.ts';
-import { Compose } from './parts/compose.ts';
-import { Composite } from './parts/composite.ts';
-import { Cull } from './parts/cull.ts';
-import { Cut } from './parts/cut.ts';
+import type { FrameShape } from './frame-shape.ts';
+import { HostTextures, isMultisampled } from './parts/host-textures.ts';
+import { Layer } from './parts/layer.ts';
 import { PageInputs } from './parts/page-inputs.ts';
-import { Project } from './parts/project.ts';
-import { Quads } from './parts/quads.ts';
-import { ResolveDepth } from './parts/resolve-depth.ts';
 import { Sort } from './parts/sort.ts';
-import { TileLists } from './parts/tile-lists.ts';
-import { Tiles } from './parts/tiles.ts';
-import { Upscale } from './parts/upscale.ts';
+import { LongTiles, TileLists } from './parts/tile-lists.ts';
+import { VisibleSplats } from './parts/visible-splats.ts';
 
-// The order of a frame. Nothing else orders parts; each part orders its own stages.
-//
-// The visible splats are found and sorted, and then drawn. A view inside another renderer's frame
-// submits the first half itself and records the second half for its host to submit.
+/** A bind group of a row, and what it was made of. */
+interface MadeGroup {
+  readonly stage: StageDefinition;
+  readonly bound: readonly Bindings[string][];
+  readonly group: GPUBindGroup;
+}
 
-/** Parts that run stages. */
-const STAGED_PARTS = [
-  Cut,
-  Cull,
-  Project,
-  Sort,
-  TileLists,
-  ResolveDepth,
-  Tiles,
-  Quads,
-  Upscale,
-  Composite,
-  Compose,
-];
-
-/** All stages that frames of this shape run; compile them before drawing. */
-export const frameStages = perShape((shape): readonly CompiledStage[] =>
-  STAGED_PARTS.flatMap((part) => part.stages(shape)),
-);
-
-/** Parts of one view's frames, with their memory. Fit and record frames under `GpuMemory.guard`. */
+/** Memory and passes of one view's frames. Fit and record frames under `GpuMemory.guard`. */
 export class FrameParts {
   readonly inputs: PageInputs;
   readonly sort: Sort;
   readonly tileLists: TileLists;
-  readonly resolveDepth: ResolveDepth;
-  readonly compose: Compose;
+  readonly host: HostTextures;
   readonly shared = new SharedMemory();
   readonly timer: GpuTimer;
   /** Passes that find and sort the visible splats; fewer if only their colours have changed. */
   orderPasses: readonly ComputePass[] = [];
-  readonly #memory: GpuMemory;
-  readonly #cut: Cut;
-  readonly #cull: Cull;
-  readonly #project: Project;
-  readonly #tiles: Tiles;
-  readonly #quads: Quads;
-  readonly #upscale: Upscale;
-  readonly #composite: Composite;
+  readonly #context: PartContext;
   readonly #parts: readonly FramePart[];
   #plan: FramePlan | null = null;
   /** Passes of frames of the bound shape, and of frames in which only colours have changed. */
   #order: readonly ComputePass[] = [];
   #recolor: readonly ComputePass[] = [];
+  /** Of rows that draw: hosts may replace their textures between two frames, but most do not. */
+  readonly #groups = new Map<StageRow, MadeGroup>();
+  /** The bound shape, with its memory. */
+  #frame: BoundFrame | null = null;
   #isDestroyed = false;
 
   constructor(context: Omit<PartContext, 'shared'>) {
-    const { shared } = this;
-    const own = { ...context, memory: context.memory.part(), shared };
-    this.#memory = own.memory;
+    const own = { ...context, memory: context.memory.part(), shared: this.shared };
+    this.#context = own;
     this.timer = new GpuTimer(own.device, own.memory);
-    const cuts = new CutBuffers(own);
-    this.inputs = new PageInputs(own, cuts);
-    this.#cut = new Cut(own, cuts);
-    this.#cull = new Cull(own);
-    this.#project = new Project(own);
+    this.inputs = new PageInputs(own);
     this.sort = new Sort(own);
     this.tileLists = new TileLists(own);
-    this.resolveDepth = new ResolveDepth(own);
-    this.#tiles = new Tiles(own);
-    this.#quads = new Quads(own);
-    this.#upscale = new Upscale(own);
-    this.#composite = new Composite(own);
-    this.compose = new Compose(own);
+    this.host = new HostTextures(own);
     this.#parts = [
       this.inputs,
-      this.#cut,
-      this.#cull,
-      this.#project,
+      new VisibleSplats(own),
       this.sort,
       this.tileLists,
-      this.resolveDepth,
-      this.#tiles,
-      this.#quads,
-      this.#upscale,
-      this.#composite,
-      this.compose,
+      new LongTiles(own),
+      new Layer(own),
+      this.host,
     ];
   }
 
@@ -156,42 +130,93 @@ export class FrameParts {
     for (const part of this.#parts) part.write?.(plan);
   }
 
-  /** Binds the stages of `shape`, and lists the passes that find and sort its splats. */
+  /** Binds the stages that find and sort the splats of `shape`. */
   #bind(shape: FrameShape): void {
     for (const part of this.#parts) part.bind?.(shape);
-    const preprocess = { label: 'pre-process', timed: 'preprocess' } as const;
-    this.#recolor = [{ ...preprocess, dispatches: this.#project.records }];
-    const order: ComputePass[] = [
-      {
-        ...preprocess,
-        dispatches: [...this.#cut.dispatches, ...this.#cull.dispatches, ...this.#project.dispatches],
-      },
-      { label: 'sort', timed: 'sort', dispatches: this.sort.dispatches },
-      { label: 'tile lists', timed: 'tile-lists', dispatches: this.tileLists.dispatches },
-    ];
-    this.#order = order.filter(({ dispatches }) => dispatches.length > 0);
+    const { resources } = this.shared;
+    const { sort: pairSort, pairCapacity } = this.tileLists;
+    const frame = { shape, resources, sort: this.sort.sort, pairSort, pairCapacity };
+    this.#frame = frame;
+    this.#order = ORDER_PASSES.map(({ stages, ...pass }) => ({
+      ...pass,
+      dispatches: stages.flatMap((row) => this.#dispatches(row, frame)),
+    })).filter(({ dispatches }) => dispatches.length > 0);
+    const writesRecords = ({ pipeline }: Dispatch) => stageNameOf(pipeline) === 'project';
+    const [preprocess] = this.#order;
+    this.#recolor = [{ ...preprocess, dispatches: preprocess.dispatches.filter(writesRecords) }];
+  }
+
+  /** Dispatches of a row, one after another if it runs over pages or batches. */
+  #dispatches(row: OrderStage, frame: BoundFrame): readonly Dispatch[] {
+    if ('dispatches' in row) return row.dispatches(frame);
+    const stages = stagesOf(frame.shape).get(row)!;
+    const whole: StageTarget = { cloudIndex: 0, isBlobs: false, count: 0, resources: frame.resources };
+    const { pages, batches } = this.shared;
+    const { pipelines } = this.#context;
+    const targets = row.each ? (row.each === 'page' ? pages : batches) : [whole];
+    return targets.flatMap(({ cloudIndex, isBlobs, count, resources, effects }, index) => {
+      const stage = stages[cloudIndex][Number(isBlobs)] as StageDefinition | null;
+      if (!stage) return [];
+      const bound = boundNames.get(row)!.map(([name, resource = name]) => [name, resources[resource]]);
+      const size = row.each ? row.size(count, frame, index) : (row.size?.(frame) ?? ONE_WORKGROUP);
+      return [dispatchOf(pipelines, stage, { ...Object.fromEntries(bound), ...effects }, size)];
+    });
   }
 
   /** Lists passes that draw the visible splats to `destination`. @throws GpuLimitError */
   drawPasses(destination: Destination, sample: QuadsSample | null = null): readonly FramePass[] {
-    const shape = this.shape!;
-    const drawing = { shape, destination, sample };
-    if (destination.kind === 'host') this.compose.fitHost(shape, destination.pass);
-    return [
-      this.resolveDepth.pass(drawing),
-      // Before the tiles, which overwrite it.
-      this.#quads.samplePass(drawing),
-      this.#tiles.pass(shape),
-      this.#quads.pass(shape),
-      this.#upscale.pass,
-      this.#composite.pass(shape, destination),
-      this.compose.pass(drawing),
-    ].filter((pass) => pass !== null);
+    return this.#drawn(DRAW_PASSES, destination, sample);
   }
 
   /** Lists passes that draw the last image over another background. */
   backgroundPasses(destination: Destination): readonly FramePass[] {
-    return [this.#composite.pass(this.shape!, destination)].filter((pass) => pass !== null);
+    return this.#drawn(CANVAS_PASSES, destination, null);
+  }
+
+  #drawn(passes: typeof DRAW_PASSES, destination: Destination, sample: QuadsSample | null): FramePass[] {
+    const frame = { ...this.#frame!, destination, sample };
+    for (const part of this.#parts) part.aim?.(frame);
+    return passes.map((pass) => this.#drawPass(pass, frame)).filter((pass) => pass !== null);
+  }
+
+  /** Null if no stage of the pass runs. */
+  #drawPass(pass: (typeof DRAW_PASSES)[number], frame: AimedFrame): FramePass | null {
+    const { label, timed, to, copies } = pass;
+    if (to && to !== frame.destination.kind) return null;
+    const { pipelines } = this.#context;
+    const isMany = isMultisampled(frame.destination);
+    const dispatches: Dispatch[] = [];
+    for (const row of pass.stages) {
+      const [[one, many]] = stagesOf(frame.shape).get(row)!;
+      const compiled = (isMany && many) || one;
+      if (!compiled) continue;
+      const stage = 'stage' in compiled ? compiled : compiled[0];
+      if (row.targets) {
+        const draws = row.draws(frame);
+        if (!draws) return null;
+        const pipeline = pipelines.render(...(compiled as RenderStage))!;
+        const group = this.#group(row, stage);
+        return { label, timed, targets: row.targets(frame), pipeline, group, draws };
+      }
+      const group = this.#group(row, stage);
+      const size = row.size?.(frame) ?? ONE_WORKGROUP;
+      dispatches.push({ pipeline: pipelines.compute(stage)!, group, size });
+    }
+    return dispatches.length > 0 ? { label, timed, ...copies?.(frame), dispatches } : null;
+  }
+
+  /** The bind group of a row; the last one if it binds the same. */
+  #group(row: StageRow, stage: StageDefinition): GPUBindGroup {
+    const { resources } = this.shared;
+    const names = boundNames.get(row)!;
+    const made = this.#groups.get(row);
+    if (made?.stage === stage && names.every(([name, from = name], i) => resources[from] === made.bound[i]))
+      return made.group;
+    const bound = names.map(([name, from = name]) => resources[from]);
+    const byName = Object.fromEntries(names.map(([name], i) => [name, bound[i]]));
+    const group = this.#context.pipelines.bindGroup(stage, byName);
+    this.#groups.set(row, { stage, bound, group });
+    return group;
   }
 
   /** Records passes as part of the frame that the timer measures. */
@@ -201,16 +226,19 @@ export class FrameParts {
 
   /** Records the read-back of a drawn frame's counts. */
   recordCounts(encoder: GPUCommandEncoder): void {
-    const { slotCount, visibleCount, tilePlan } = this.shared.buffers;
+    const { slotCount, visibleCount, tilePlan, cutPlan } = this.shared.resources;
     const hasTiles = this.shape?.rasterizer === 'tiles';
-    const { cutPlan } = this.#cut;
-    const plans = { ...(hasTiles && { tilePlan }), ...(cutPlan && { cutPlan }) };
-    this.timer.record(encoder, { slotCount, visibleCount, ...plans });
+    this.timer.record(encoder, {
+      slotCount,
+      visibleCount,
+      ...(hasTiles && { tilePlan }),
+      ...(cutPlan && { cutPlan }),
+    });
   }
 
   destroy(): void {
     this.#isDestroyed = true;
     this.timer.destroy();
-    this.#memory.destroyAll();
+    this.#context.memory.destroyAll();
   }
 }

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { internAccuracy } from '../data/accuracy/accuracy.ts';
 import { blockKeysOf, sortShapeFor } from '../stages/sort/sort.ts';
-import { frameStages } from './frame.ts';
+import { frameStages } from './frame-passes.ts';
 import type { FrameShape } from './frame-shape.ts';
 import { type DrawnFrame, leastBytes } from './least-bytes.ts';
 

@@ -5,8 +5,7 @@ import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../data/packing/harmonics.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import { blockKeysOf, lowerPassesOf, type SortShape } from '../stages/sort/sort.ts';
-import type { CloudShape, FrameShape } from './frame-shape.ts';
-import { depthSortShape, pairSortShape } from './sort-shapes.ts';
+import { type CloudShape, depthSortShape, type FrameShape, pairSortShape } from './frame-shape.ts';
 
 /** Bytes that a pass moves between the GPU's memory and its cores. */
 export interface PassBytes {

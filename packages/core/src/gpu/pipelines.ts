@@ -98,11 +98,16 @@ export interface RenderState {
   readonly depth?: GPUDepthStencilState;
 }
 
-/** A stage with everything that compiling it needs. */
-export type CompiledStage = StageDefinition | readonly [StageDefinition, RenderState];
+/** A stage that draws, with everything that compiling it needs. */
+export type RenderStage = readonly [StageDefinition, RenderState];
 
-/** Resources by the names of a shader's bindings. */
-export type Bindings = Readonly<Record<string, GPUBuffer | GPUBufferBinding | GPUTextureView | GPUSampler>>;
+/** A stage with everything that compiling it needs. */
+export type CompiledStage = StageDefinition | RenderStage;
+
+/** Resources by the names of a shader's bindings; of textures, all is bound. */
+export type Bindings = Readonly<
+  Record<string, GPUBuffer | GPUBufferBinding | GPUTexture | GPUTextureView | GPUSampler | null | undefined>
+>;
 
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
 
@@ -210,8 +215,9 @@ export class Pipelines {
     if (!isRenderStage(stage)) this.#find(stage, undefined);
     const { bindings, layout } = this.#layouts.get(stage)!;
     const entries = bindings.map(({ name, entry: { binding } }) => {
-      if (!resources[name]) throw new RangeError(`${stage.stage} needs a resource for its binding ${name}.`);
-      return { binding, resource: toResource(resources[name]) };
+      const resource = resources[name];
+      if (!resource) throw new RangeError(`${stage.stage} needs a resource for its binding ${name}.`);
+      return { binding, resource: toResource(resource) };
     });
     return this.#device.createBindGroup({ label: stage.stage, layout, entries });
   }
@@ -374,7 +380,8 @@ function isRenderStage({ entryPoint }: StageDefinition): boolean {
   return entryPoint === undefined;
 }
 
-function toResource(value: Bindings[string]): GPUBindingResource {
+function toResource(value: NonNullable<Bindings[string]>): GPUBindingResource {
+  if ('createView' in value) return value.createView();
   // Bindings of buffers have a size too.
   const isBuffer = 'size' in value && 'usage' in value;
   return isBuffer ? { buffer: value } : (value as GPUBindingResource);

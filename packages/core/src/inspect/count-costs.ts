@@ -159,12 +159,12 @@ async function readWalk(
   { shape, shared }: FrameParts,
   stages: readonly StageDefinition[],
 ): Promise<Walk & { readonly neededPairs: number; readonly hasAllPairs: boolean }> {
-  const { width: widthPx, height: heightPx } = shared.blended!.color;
+  const { width: widthPx, height: heightPx } = shared.resources.layer!;
   const { visibleCapacity, dispatchRow } = shape!;
   const { TILE_PX } = SHADER_CONSTANTS;
   const tiles = Math.ceil(widthPx / TILE_PX) * Math.ceil(heightPx / TILE_PX);
   const pixelBytes = 4 * COST_PLANES * widthPx * heightPx;
-  const { buffers } = shared;
+  const { resources } = shared;
   const walk = (scratch: GpuMemory) => {
     const create = (label: string, bytes: number) =>
       scratch.createBuffer(label, bytes, GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC);
@@ -172,7 +172,7 @@ async function readWalk(
     const tileEntries = create('costs per tile', 4 * tiles);
     const contributions = create('contributions', 8 * Math.max(1, visibleCapacity));
     const rest = stages.length > 1 ? contributions : tileEntries;
-    const bound = { ...buffers, grid: buffers.tileGrid, pixels, tileEntries, contributions };
+    const bound = { ...resources, pixels, tileEntries, contributions };
     return readBack(device, TilePlan.bytes + pixelBytes + rest.size, (encoder, target) => {
       const pass = encoder.beginComputePass({ label: 'costs' });
       const size = dispatchSize(tiles, dispatchRow);
@@ -181,7 +181,7 @@ async function readWalk(
         stages.map((stage) => dispatchOf(pipelines, stage, bound, size)),
       );
       pass.end();
-      encoder.copyBufferToBuffer(buffers.tilePlan, 0, target, 0, TilePlan.bytes);
+      encoder.copyBufferToBuffer(resources.tilePlan, 0, target, 0, TilePlan.bytes);
       encoder.copyBufferToBuffer(pixels, 0, target, TilePlan.bytes, pixelBytes);
       encoder.copyBufferToBuffer(rest, 0, target, TilePlan.bytes + pixelBytes, rest.size);
     });

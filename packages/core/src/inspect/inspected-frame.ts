@@ -15,9 +15,10 @@ import type { SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { MOTION_SLOT, MOTION_VALUES } from '../features/motion/splat-motion.data.ts';
 import { type CloudInstances, countInstances } from '../frame/cloud-instances.ts';
-import { FrameParts, frameStages } from '../frame/frame.ts';
+import { FrameParts } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
-import type { SharedBuffers } from '../frame/frame-part.ts';
+import type { FrameBuffers } from '../frame/frame-part.ts';
+import { frameStages } from '../frame/frame-passes.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { FramePlanner } from '../frame/frame-planner.ts';
 import { DEFAULT_TILE_BUDGET_BYTES } from '../frame/pair-capacity.ts';
@@ -157,7 +158,7 @@ export class InspectedFrame {
     if (isDrawn) parts.record(encoder, parts.drawPasses({ kind: 'image' }));
     device.queue.submit([encoder.finish()]);
     const image = isDrawn
-      ? await readTexture(device, parts.shared.blended!.color)
+      ? await readTexture(device, parts.shared.resources.layer!)
       : { widthPx, heightPx, data: new Float32Array() };
 
     const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
@@ -191,8 +192,8 @@ export class InspectedFrame {
   }
 
   /** Contents of one of the frame's buffers, read back once: no later frame changes the buffers. */
-  words(name: keyof SharedBuffers): Promise<Uint32Array<ArrayBuffer>> {
-    const words = this.#words.get(name) ?? readWords(this.#device, this.parts.shared.buffers[name]);
+  words(name: keyof FrameBuffers): Promise<Uint32Array<ArrayBuffer>> {
+    const words = this.#words.get(name) ?? readWords(this.#device, this.parts.shared.resources[name]);
     this.#words.set(name, words);
     return words;
   }

@@ -5,7 +5,7 @@ import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import { frameStages } from '../frame/frame.ts';
+import { frameStages } from '../frame/frame-passes.ts';
 import { failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '../data/errors.ts';
 import { numberOf } from '../data/number-of.ts';
-import { frameStages } from '../frame/frame.ts';
+import { frameStages } from '../frame/frame-passes.ts';
 import { FramePlanner } from '../frame/frame-planner.ts';
 import type { FrameOutput } from '../frame/frame-shape.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';

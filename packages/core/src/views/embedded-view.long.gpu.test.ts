@@ -13,7 +13,7 @@ import { identity4, invert3, linearPart, transform3 } from '../data/math/mat4.ts
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { followEdits } from '../features/edits/edits.clouds.ts';
 import { SplatEdits } from '../features/edits/splat-edits.data.ts';
-import type { EmbeddedImage } from '../frame/parts/compose.ts';
+import type { EmbeddedImage } from '../frame/parts/host-textures.ts';
 import { reveal } from '../gpu/effects/index.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';

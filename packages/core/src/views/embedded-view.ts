@@ -7,7 +7,7 @@ import type { HostPass } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
-import type { EmbeddedImage } from '../frame/parts/compose.ts';
+import type { EmbeddedImage } from '../frame/parts/host-textures.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { View } from './view.ts';
 import { type PossibleDepths, type ViewContext, ViewFrames } from './view-frames.ts';
@@ -90,7 +90,7 @@ export class EmbeddedView extends View {
    * prepared with `hasOccluders: false`.
    */
   get drawnImage(): EmbeddedImage | null {
-    return this.#isDrawn ? this.frames.parts.compose.image : null;
+    return this.#isDrawn ? this.frames.parts.host.image : null;
   }
 
   /**
@@ -149,7 +149,7 @@ export class EmbeddedView extends View {
     this.#isDrawn = true;
     // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void frames.measure());
-    return frames.parts.compose.image!;
+    return frames.parts.host.image!;
   }
 
   /**
@@ -161,8 +161,8 @@ export class EmbeddedView extends View {
   makeImage(pass: HostPass): EmbeddedImage {
     const shape = this.#shapeOver(pass);
     const { frames } = this;
-    frames.submit(frames.last!, () => frames.parts.compose.fitHost(shape, pass));
-    return frames.parts.compose.image!;
+    frames.submit(frames.last!, () => frames.parts.host.fitImage(shape, pass));
+    return frames.parts.host.image!;
   }
 
   /** Frees the view's GPU memory, after the host has submitted its recording; the clouds stay. */

@@ -81,7 +81,7 @@ function checkPoints(points: readonly PointToCover[]): void {
 
 /** The stage that computes coverage in frames like the last one of `frame`. */
 export function coverStage({ shared }: FrameParts, { shape }: FramePlan): StageDefinition {
-  const compare = shared.testedDepth && shape.depth?.isTested ? shape.depth.compare : null;
+  const compare = shared.resources.testedDepth && shape.depth?.isTested ? shape.depth.compare : null;
   return coverPoints(shape.accuracy.recordPrecision, compare, shape.isStacked);
 }
 
@@ -118,11 +118,10 @@ export async function findCoverage(
     for (const [i, point] of inImage.entries()) CoverPoint.write(packed, point, CoverPoint.bytes * i);
     const covers = create('covers', new ArrayBuffer(bytes), STORAGE | COPY_SRC);
     const group = pipelines.bindGroup(stage, {
-      ...shared.buffers,
+      ...shared.resources,
       parameters: create('cover parameters', parameters, UNIFORM),
       points: create('points to cover', packed, STORAGE),
       covers,
-      ...(shared.testedDepth && { testedDepth: shared.testedDepth.createView() }),
     });
     return readBack(device, bytes, (encoder, target) => {
       const pass = encoder.beginComputePass({ label: 'cover points' });

@@ -171,14 +171,14 @@ export class FrameDivider {
   }
 
   #writeFirstTile(tile: number, { parts }: DividedFrame): void {
-    const { tileGrid } = parts.shared.buffers;
-    this.#context.device.queue.writeBuffer(tileGrid, TileGrid.offsets.firstTile, Uint32Array.of(tile));
+    const { grid } = parts.shared.resources;
+    this.#context.device.queue.writeBuffer(grid, TileGrid.offsets.firstTile, Uint32Array.of(tile));
   }
 
   /** Tiles in dispatch order, as if each blended every pair of its bin. */
   async #slowestMsOfTiles({ parts, plan }: DividedFrame): Promise<Float64Array> {
     const { device } = this.#context;
-    const { tilePlan, binStarts, binOrder } = parts.shared.buffers;
+    const { tilePlan, binStarts, binOrder } = parts.shared.resources;
     const words = await Promise.all([tilePlan, binStarts, binOrder].map((each) => readWords(device, each)));
     const [counts, starts, order] = words;
     const shift = counts[TilePlan.offsets.binShift / 4];
@@ -198,8 +198,8 @@ export class FrameDivider {
   async #slowestMsOfQuads({ parts, plan, canDraw }: DividedFrame): Promise<Float64Array | null> {
     const { device, pipelines, dispatchRow } = this.#context;
     const { shape, layer } = plan;
-    const { buffers } = parts.shared;
-    const [, count] = await readWords(device, buffers.drawArguments);
+    const { resources } = parts.shared;
+    const [, count] = await readWords(device, resources.drawArguments);
     const before = new Float64Array(count + 1);
     if (count === 0) return before;
     // The stage that counts the bins per splat counts cells, if a bin is as small as a cell.
@@ -210,7 +210,7 @@ export class FrameDivider {
     if (!canDraw()) return null;
     const blocks = Math.ceil(count / TILE_COUNT_BLOCK);
     // Keys are not needed after sorting, so their buffer is reused.
-    const pairOffsets = buffers.keys;
+    const pairOffsets = resources.keys;
     const memory = this.#context.memory.part();
     const countCells = () => {
       const { UNIFORM, STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
@@ -226,8 +226,8 @@ export class FrameDivider {
       const blockPairs = memory.createBuffer('cells of blocks', 4 * blocks, STORAGE | COPY_SRC);
       const encoder = device.createCommandEncoder({ label: 'websplatter cells of quads' });
       const pass = encoder.beginComputePass({ label: 'cells of quads' });
-      const resources = { ...buffers, grid, pairOffsets, blockPairs };
-      recordDispatches(pass, [dispatchOf(pipelines, stage, resources, dispatchSize(blocks, dispatchRow))]);
+      const bound = { ...resources, grid, pairOffsets, blockPairs };
+      recordDispatches(pass, [dispatchOf(pipelines, stage, bound, dispatchSize(blocks, dispatchRow))]);
       pass.end();
       device.queue.submit([encoder.finish()]);
       return blockPairs;

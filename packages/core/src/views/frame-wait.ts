@@ -1,5 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { frameStages } from '../frame/frame.ts';
+import { frameStages } from '../frame/frame-passes.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';

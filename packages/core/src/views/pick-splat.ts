@@ -153,7 +153,7 @@ async function readBlocks(
     const contents = PickParameters.pack({ pixelPx, blockCount });
     device.queue.writeBuffer(parameters, 0, contents);
     const stage = pickStage({ shape: shape! });
-    const group = pipelines.bindGroup(stage, { ...shared.buffers, parameters, blocks });
+    const group = pipelines.bindGroup(stage, { ...shared.resources, parameters, blocks });
     return readBack(device, bytes, (encoder, target) => {
       const pass = encoder.beginComputePass({ label: 'pick' });
       pass.setPipeline(pipelines.compute(stage)!);

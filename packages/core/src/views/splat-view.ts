@@ -168,10 +168,10 @@ export class SplatView extends View {
     await this.whenDrawn();
     const { context, parts } = this.frames;
     this.frames.checkUsable();
-    const { image } = parts.shared;
+    const { image } = parts.shared.resources;
     if (!image) throw new InvalidArgumentError('readPixels', 'There is no frame yet: call render first.');
     context.counting.readbacks++;
-    return readTexture(context.device, image.color);
+    return readTexture(context.device, image);
   }
 
   override async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
@@ -192,7 +192,7 @@ export class SplatView extends View {
   } {
     this.frames.checkUsable();
     const { context, parts } = this.frames;
-    return { context, color: parts.shared.image?.color ?? null, parts };
+    return { context, color: parts.shared.resources.image ?? null, parts };
   }
 
   /** Frees the view's GPU memory; the clouds stay. */

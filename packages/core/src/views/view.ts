@@ -121,19 +121,15 @@ export class View {
     const { last: plan, parts, context } = this.frames;
     if (!plan) return [];
     const { memory } = context;
-    const { shared, inputs, resolveDepth, compose, tileLists } = parts;
+    const { inputs, host, tileLists } = parts;
+    const { hostDepth, depthImage, depthLayer } = parts.shared.resources;
     const isTested = plan.shape.depth?.isTested;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
       effects: inputs.effects,
-      testedDepthBytes: bytesOf([isTested ? shared.hostDepth : null]) + resolveDepth.bytes,
-      writtenDepthBytes: bytesOf([
-        isTested ? null : shared.hostDepth,
-        shared.image?.depthLayer,
-        shared.blended?.depthLayer,
-        compose.image?.depth,
-      ]),
+      testedDepthBytes: bytesOf([isTested ? hostDepth : null]) + host.testedDepthBytes,
+      writtenDepthBytes: bytesOf([isTested ? null : hostDepth, depthImage, depthLayer, host.image?.depth]),
       tilesBytes: tileLists.bytes,
     };
     return effectsLedger({ plan, held, rasterizer: this.rasterizer });

@@ -15,7 +15,7 @@ import { compareImages, renderReference } from '../../reference/index.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { frameStages } from '../frame.ts';
+import { frameStages } from '../frame-passes.ts';
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const CAMERAS = testCameras(1.5);

@@ -13,7 +13,7 @@ import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import type { EmbeddedFrameRequest } from '../../views/embedded-view.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import { frameStages } from '../frame.ts';
+import { frameStages } from '../frame-passes.ts';
 import type { CloudInstance } from '../frame-request.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 

@@ -3,7 +3,7 @@ import { View } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings } from '../../gpu/pipelines.ts';
 import type { CloudPlan } from '../cloud-plan.ts';
-import type { CutBuffers } from '../cut-buffers.ts';
+import { CutBuffers } from '../cut-buffers.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import { pagesOf, uniformBytes } from '../frame-pages.ts';
 import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
@@ -14,7 +14,7 @@ import { WidePlaces } from '../wide-places.ts';
 
 /**
  * Inputs of the stages that run over pages: the view, and each page's uniforms, parameters of
- * effects, cuts and places. Runs no stages.
+ * effects, cuts and places.
  */
 export class PageInputs implements FramePart {
   readonly effects: EffectBuffers;
@@ -28,11 +28,11 @@ export class PageInputs implements FramePart {
   /** By cloud of the frame: the resources that its effects have of their own. */
   #resources: readonly Bindings[] = [];
 
-  constructor(context: PartContext, cuts: CutBuffers) {
+  constructor(context: PartContext) {
     this.#context = context;
     this.#memory = context.memory.part();
     this.effects = new EffectBuffers(context.memory, context.device.queue);
-    this.#cuts = cuts;
+    this.#cuts = new CutBuffers(context);
     this.#widePlaces = new WidePlaces(context.memory, context.device.queue);
   }
 
@@ -54,7 +54,7 @@ export class PageInputs implements FramePart {
           view: [View.bytes, UNIFORM],
           pageUniforms: [bytes, UNIFORM],
         });
-        Object.assign(this.#context.shared.buffers, buffers);
+        Object.assign(this.#context.shared.resources, buffers);
         this.#contents = new ArrayBuffer(bytes);
         this.#shape = shape;
       },
@@ -66,23 +66,32 @@ export class PageInputs implements FramePart {
     this.effects.fit(shape);
     this.#cuts.fit(shape);
     this.#widePlaces.fit(shape);
+    const { resources } = shared;
+    shared.batches = this.#cuts.batches(shape);
     shared.pages = pagesOf(shape).map((page, index) => ({
-      ...shared.buffers,
-      [page.instances ? 'pages' : 'page']: { buffer: shared.buffers.pageUniforms, ...page.uniform },
-      chunks: page.chunks,
-      geometry: page.geometry,
-      ...(page.shRest && { shRest: page.shRest }),
-      ...(page.motion && { motion: page.motion.splats, motionReaches: page.motion.reaches }),
-      ...this.#cuts.bindingsOf(page),
-      ...this.effects.bindingsOf(index),
-      ...this.#resources[page.cloudIndex],
-      ...this.#widePlaces.bindingsOf(index),
+      cloudIndex: page.cloudIndex,
+      isBlobs: page.isBlobs,
+      count: page.chunkCount,
+      resources: {
+        ...resources,
+        [page.instances ? 'pages' : 'page']: { buffer: resources.pageUniforms, ...page.uniform },
+        chunks: page.chunks,
+        geometry: page.geometry,
+        shRest: page.shRest,
+        ...this.#cuts.bindingsOf(page),
+        ...this.#widePlaces.bindingsOf(index),
+      },
+      effects: {
+        ...(page.motion && { motion: page.motion.splats, motionReaches: page.motion.reaches }),
+        ...this.effects.bindingsOf(index),
+        ...this.#resources[page.cloudIndex],
+      },
     }));
   }
 
   write(plan: FramePlan): void {
     const { device, shared } = this.#context;
-    const { view, pageUniforms } = shared.buffers;
+    const { view, pageUniforms } = shared.resources;
     device.queue.writeBuffer(view, 0, viewUniforms(plan));
     writePageUniforms(plan, this.#contents);
     // Deno 2.9 ends at a write of no bytes.

@@ -1,12 +1,9 @@
 import { SortPlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import type { Dispatch } from '../../gpu/passes.ts';
-import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
+import { RadixSort } from '../../stages/sort/radix-sort.ts';
 import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import type { FrameShape } from '../frame-shape.ts';
-import { depthSortShape } from '../sort-shapes.ts';
+import { depthSortShape, type FrameShape } from '../frame-shape.ts';
 
 /** The part's memory for frames of one key width, ranking and capacity. */
 interface Held {
@@ -27,10 +24,6 @@ export class Sort implements FramePart {
     this.#memory = context.memory.part();
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    return radixSortStages(depthSortShape(shape));
-  }
-
   get sort(): RadixSort {
     return this.#held!.sort;
   }
@@ -46,10 +39,6 @@ export class Sort implements FramePart {
         this.#held = { sort: this.#make(shape), keyBits, capacity: visibleCapacity };
       },
     };
-  }
-
-  get dispatches(): readonly Dispatch[] {
-    return this.sort.dispatches;
   }
 
   #make(shape: FrameShape): RadixSort {
@@ -71,7 +60,7 @@ export class Sort implements FramePart {
       dispatchRow,
     });
     const { keys, upperKeys, order } = sort;
-    Object.assign(shared.buffers, { ...buffers, keys, order, ...(upperKeys && { upperKeys }) });
+    Object.assign(shared.resources, { ...buffers, keys, upperKeys, order });
     return sort;
   }
 }

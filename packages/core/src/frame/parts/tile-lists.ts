@@ -3,43 +3,18 @@ import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { type Dispatch, type DispatchSize, dispatchOf, ONE_WORKGROUP } from '../../gpu/passes.ts';
-import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { dispatchSize, sizeAtMost } from '../../stages/dispatch.ts';
-import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
-import { blockKeysOf } from '../../stages/sort/sort.ts';
-import { tileCount, tileEmit, tileMasks, tilePlan, tileRanges } from '../../stages/tiles/tiles.ts';
-import { pagesOf } from '../frame-pages.ts';
+import { RadixSort } from '../../stages/sort/radix-sort.ts';
 import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
+import { splitsTiles, tilesOf } from '../frame-passes.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, perShape } from '../frame-shape.ts';
+import { type FrameShape, PAIR_SORT_OPTIONS, pairSortShape } from '../frame-shape.ts';
 import { PAIR_BYTES, PairRoom } from '../pair-capacity.ts';
-import { pairSortShape } from '../sort-shapes.ts';
 
-const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK, TILE_PX } = SHADER_CONSTANTS;
 const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
-
-const stages = perShape((shape) => {
-  const { recordPrecision, extent } = shape.accuracy;
-  const { isNarrow } = shape.sortDevice;
-  const variant = { recordPrecision, extent, isStacked: shape.isStacked, isNarrow };
-  const sortShape = pairSortShape(shape);
-  return {
-    tileCount: tileCount(variant),
-    tilePlan: tilePlan(sortShape),
-    tileRecount: tileCount(variant, true),
-    tileReplan: tilePlan(sortShape, true),
-    tileEmit: tileEmit(variant, sortShape),
-    tileRanges,
-    tileMasks: tileMasks(variant),
-  };
-});
 
 /** Frames that quads draw in a row only to be compared before the room for tiles is given back. */
 const MAX_FRAMES_UNUSED = 120;
-
-/** tile-plan and tile-emit do part of the sort's work. */
-const SORT_OPTIONS = { firstCounts: 'given' } as const;
 
 /** Names and sizes of the part's own buffers. */
 function bufferTable(visibleCapacity: number, pairs: number, binCount: number) {
@@ -66,16 +41,12 @@ interface Held {
   readonly binCount: number;
 }
 
-type StageName = keyof ReturnType<typeof stages>;
-
 /**
  * Lists, for each bin of the layer, the visible splats that it may show, front to back, with the
  * tiles that each may touch. Bins are larger where there is no room for all pairs.
  * `drawArguments` leaves a frame to the quads if there is no room for its visible splats either.
  */
 export class TileLists implements FramePart {
-  /** Lists the pairs; empty for shapes without tiles. */
-  dispatches: readonly Dispatch[] = [];
   readonly #context: PartContext;
   /** Memory of `#held`. */
   readonly #memory: GpuMemory;
@@ -89,9 +60,13 @@ export class TileLists implements FramePart {
     this.#memory = context.memory.part();
   }
 
-  static stages(shape: FrameShape): readonly CompiledStage[] {
-    if (shape.rasterizer !== 'tiles') return [];
-    return [...Object.values(stages(shape)), ...radixSortStages(pairSortShape(shape), SORT_OPTIONS)];
+  /** Sort of the pairs; null without room for tiles. */
+  get sort(): RadixSort | null {
+    return this.#held?.sort ?? null;
+  }
+
+  get pairCapacity(): number {
+    return this.#held?.pairCapacity ?? 0;
   }
 
   /** Bytes of the part's buffers. */
@@ -134,50 +109,16 @@ export class TileLists implements FramePart {
         const made = this.#make(shape, pairs);
         this.#held = made;
         this.#room.made(visibleCapacity);
-        const { grid, tilePlan, binStarts, binOrder, tileMasks } = made.buffers;
-        const shared = { tileGrid: grid, tilePlan, binStarts, binOrder, tileMasks };
-        Object.assign(this.#context.shared.buffers, { ...shared, sortedRecords: made.sort.order });
+        const { buffers, sort } = made;
+        Object.assign(this.#context.shared.resources, buffers, {
+          pairBins: sort.input.keys,
+          pairRecords: sort.input.payloads,
+          pairDigitCounts: sort.digitCounts,
+          sortedBins: sort.sortedKeys,
+          sortedRecords: sort.order,
+        });
       },
     };
-  }
-
-  bind(shape: FrameShape): void {
-    this.dispatches = [];
-    if (!this.#held || shape.rasterizer !== 'tiles') return;
-    const { pipelines, shared } = this.#context;
-    const { sort, buffers, visibleCapacity, pairCapacity } = this.#held;
-    const all = {
-      ...shared.buffers,
-      ...buffers,
-      // The keys are of no use once they are sorted.
-      pairOffsets: shared.buffers.keys,
-      pairBins: sort.input.keys,
-      pairRecords: sort.input.payloads,
-      digitCounts: sort.digitCounts,
-      sortedBins: sort.sortedKeys!,
-      sortedRecords: sort.order,
-    };
-    const run = (name: StageName, size: DispatchSize = ONE_WORKGROUP) =>
-      dispatchOf(pipelines, stages(shape)[name], all, size);
-    // Wide devices start all that there is room for: workgroups without pairs cost them little.
-    const sizeOf = (mostWorkgroups: number, buffer: GPUBuffer, offset: number) => {
-      const most = Math.ceil(mostWorkgroups);
-      return shape.sortDevice.isNarrow
-        ? sizeAtMost(most, shape.dispatchRow, { buffer, offset }, true)
-        : dispatchSize(Math.max(1, most), shape.dispatchRow);
-    };
-    const { projectDispatches } = shared.buffers;
-    const counted = sizeOf(visibleCapacity / TILE_COUNT_BLOCK, projectDispatches, 12 * pagesOf(shape).length);
-    this.dispatches = [
-      run('tileCount', counted),
-      run('tilePlan'),
-      run('tileRecount', counted),
-      run('tileReplan'),
-      run('tileEmit', sizeOf(pairCapacity / blockKeysOf(sort.shape), buffers.pairDispatches, 0)),
-      ...sort.dispatches,
-      run('tileRanges'),
-      run('tileMasks', sizeOf(pairCapacity / MASK_GROUP, buffers.pairDispatches, 12)),
-    ];
   }
 
   write({ layer, shape }: FramePlan): void {
@@ -195,7 +136,6 @@ export class TileLists implements FramePart {
   #leave(): void {
     this.#memory.destroyAll();
     this.#held = null;
-    this.dispatches = [];
     this.#room = new PairRoom();
     this.#framesUnused = 0;
   }
@@ -231,7 +171,7 @@ export class TileLists implements FramePart {
       dispatchRow,
       payloads: 'given',
       writesKeys: true,
-      firstCounts: SORT_OPTIONS.firstCounts,
+      firstCounts: PAIR_SORT_OPTIONS.firstCounts,
       plan: buffers.sortPlan,
       ...(shape.sortDevice.isNarrow && { blockDispatch: { buffer: buffers.pairDispatches, offset: 0 } }),
       // The masks are written after the sort.
@@ -239,5 +179,38 @@ export class TileLists implements FramePart {
       label: 'tiles sort',
     });
     return { buffers, sort, visibleCapacity, pairCapacity: pairs, binCount };
+  }
+}
+
+/** Most tiles with long lists whose front is kept, a kilobyte each; others are blended from the front again. */
+const MOST_FRONTS = 4096;
+const FRONT_BYTES = 16 * TILE_PX ** 2;
+
+/** The tiles whose ends of lists are left to tile-rest, with their fronts: see tile-rasterize. */
+export class LongTiles implements FramePart {
+  readonly #context: PartContext;
+  readonly #memory: GpuMemory;
+  #tileCount = 0;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+    this.#memory = context.memory.part();
+  }
+
+  fit({ shape }: FramePlan): PartChange | null {
+    const tileCount = splitsTiles(shape) ? tilesOf(shape) : 0;
+    if (tileCount === this.#tileCount) return null;
+    return {
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        this.#tileCount = tileCount;
+        if (tileCount === 0) return;
+        const buffers = createBuffers(this.#memory, 'tiles', {
+          longTiles: [8 + 8 * tileCount, GPUBufferUsage.STORAGE],
+          frontPixels: [FRONT_BYTES * Math.min(MOST_FRONTS, tileCount), GPUBufferUsage.STORAGE],
+        });
+        Object.assign(this.#context.shared.resources, buffers);
+      },
+    };
   }
 }

@@ -1,7 +1,7 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
-import { frameStages } from '../../frame/frame.ts';
+import { frameStages } from '../../frame/frame-passes.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { testCameras } from '../../testing/test-cameras.ts';
 import type { SplatView } from '../../views/splat-view.ts';

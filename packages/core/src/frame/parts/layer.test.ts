@@ -4,7 +4,7 @@ import { internAccuracy } from '../../data/accuracy/accuracy.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { type PartContext, SharedMemory } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import { Quads } from './quads.ts';
+import { Layer } from './layer.ts';
 
 vi.stubGlobal('GPUBufferUsage', { COPY_DST: 8, UNIFORM: 64, STORAGE: 128 });
 vi.stubGlobal('GPUTextureUsage', {
@@ -38,21 +38,21 @@ test('the depth of the host stays when the layer changes, and goes once nothing 
     }),
   } as unknown as GPUDevice;
   const shared = new SharedMemory();
-  const quads = new Quads({ memory: new GpuMemory(device), shared } as PartContext);
+  const layer = new Layer({ memory: new GpuMemory(device), shared } as PartContext);
   const accuracy = internAccuracy({ preset: 'balanced', rasterizer: 'quads', resolutionScale: 1 });
   /** What a frame of this width frees. */
   const freedBy = (widthPx: number, depth: object | null) => {
-    const shape = { accuracy, rasterizer: 'quads', depth };
-    const change = quads.fit({ layer: { widthPx, heightPx: 8 }, shape } as FramePlan);
+    const shape = { accuracy, rasterizer: 'quads', depth, output: { kind: 'image' } };
+    const change = layer.fit({ layer: { widthPx, heightPx: 8 }, shape } as FramePlan);
     change?.free();
     change?.make();
     return freed.splice(0);
   };
   expect(freedBy(8, { layerFormat: null })).toEqual([]);
-  const { hostDepth } = shared;
-  expect(hostDepth).not.toBeNull();
+  const { hostDepth } = shared.resources;
+  expect(hostDepth).toBeDefined();
   expect(freedBy(16, { layerFormat: null })).toEqual(['splat layer']);
-  expect(shared.hostDepth).toBe(hostDepth);
+  expect(shared.resources.hostDepth).toBe(hostDepth);
   expect(freedBy(16, null)).toEqual(['frame hostDepth']);
-  expect(shared.hostDepth).toBeNull();
+  expect(shared.resources.hostDepth).toBeNull();
 });
