@@ -100,17 +100,17 @@ export function appHarness(
   };
 
   const newTab = async (beside: Page) => {
-    const tab = await prepared(watchPage(await beside.context().newPage()));
+    const tab = watchPage(await beside.context().newPage());
     tabs.push(tab);
     await tab.page.setViewportSize(beside.viewportSize()!);
     return tab.page;
   };
-  const prepared = async (watched: WatchedPage): Promise<WatchedPage> => {
-    if (initScript) await watched.page.addInitScript(initScript);
+  const newWatched = async (options: BrowserContextOptions) => {
+    const watched = await newWatchedPage(browser, options);
+    // Also in tabs that the page opens.
+    if (initScript) await watched.page.context().addInitScript(initScript);
     return watched;
   };
-  const newWatched = async (options: BrowserContextOptions) =>
-    prepared(await newWatchedPage(browser, options));
   const newPage = async (options: BrowserContextOptions = {}) => {
     const watched = await newWatched(options);
     watchedPages.push(watched);
