@@ -1,3 +1,4 @@
+import { withinCpuTime } from '@websplatter/node/cpu-time';
 // Proves: any damage to a Zstandard frame gives bytes or a typed error.
 import { decompress } from 'fzstd';
 import { describe, expect, test } from 'vitest';
@@ -131,18 +132,16 @@ describe('refuses', () => {
  * @consequence `SplatFileError` `damaged`, at once
  */
 test('any damage gives bytes or a typed error, at once', { tags: 'deeper', timeout: 3_600_000 }, async () => {
-  await fuzz({ few: 300, many: 50_000 }, (choices) => {
+  await fuzz({ few: 300, many: 50_000 }, async (choices) => {
     const { unpacked, packed } = choices.of(ZSTD_EXAMPLES);
     const bytes = Uint8Array.from(packed);
     for (let i = choices.below(4); i >= 0; i--)
       bytes[choices.below(bytes.length)] = choices.of([0, 255, choices.below(256)]);
-    const startMs = performance.now();
     try {
-      expect(unpack(bytes, unpacked.length).length).toBe(unpacked.length);
+      const { length } = await withinCpuTime(2000, () => unpack(bytes, unpacked.length));
+      expect(length).toBe(unpacked.length);
     } catch (error) {
       if (!(error instanceof SplatFileError && error.code === 'damaged')) throw error;
     }
-    const elapsedMs = performance.now() - startMs;
-    if (elapsedMs > 2000) throw new Error(`unpacking took ${elapsedMs} ms`);
   });
 });

@@ -1,3 +1,4 @@
+import { withinCpuTime } from '@websplatter/node/cpu-time';
 import { expect, test } from 'vitest';
 import { dispositionName } from './open-url.ts';
 
@@ -21,9 +22,9 @@ test.each([
   expect(dispositionName(header)).toBe(name);
 });
 
-test('long headers take no long time', () => {
-  const startMs = performance.now();
+test('long headers take no long time', async () => {
   for (const part of [';', '; filename', '; filename="', '; filename="\\', ' ', "; a*=utf-8'"])
-    dispositionName(part.repeat(20_000));
-  expect(performance.now() - startMs).toBeLessThan(2000);
+    expect((await withinCpuTime(1000, () => dispositionName(part.repeat(20_000)))) ?? '').not.toContain(
+      'filename*',
+    );
 });
