@@ -14,7 +14,8 @@ import {
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { BLOB_PRECISION } from '../packing/precision.ts';
-import { checkStill, givenSet } from '../splats/check-set.ts';
+import { givenSet } from '../splats/check-set.ts';
+import { checkStill } from '../splats/columns.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Brick, BrickAddress, BrickCell, BrickScene } from './brick.ts';
 import { BrickShape } from './brick-shape.ts';
@@ -149,7 +150,7 @@ export class MadeBricks {
  */
 export function makeBricks(set: SplatSet<Harmonics>): MadeBricks {
   const precision = { geometryPrecision: 'packed', shPrecision: BLOB_PRECISION.shPrecision } as const;
-  checkStill(givenSet(set).motion !== undefined, 'a scene in bricks');
+  checkStill(givenSet(set), 'a scene in bricks');
   const cloud = packSet(set, precision);
   if (cloud.count === 0) throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
   if (cloud.count < set.count) {

@@ -1,8 +1,8 @@
-import { stillMotion } from '../../features/motion/splat-motion.data.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { checkKind } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
+import { OPTIONAL_COLUMNS } from '../splats/columns.ts';
 import {
   addDrops,
   agreedAntialiasing,
@@ -19,7 +19,7 @@ import { placeSplats } from './place-splats.ts';
  * bands that a set lacks are 0. Positions are kept bit by bit where all sets have the same origin;
  * else they are taken relative to one that suits all.
  *
- * If any set moves, splats of the others get a motion that keeps them where they are at all times.
+ * If any set has an optional column, such as `motion`, splats of the others get values that change nothing.
  *
  * Whether splats were trained with an antialias filter is kept where all sets say the same. The
  * result is of no file: its rows are numbered from 0.
@@ -55,9 +55,12 @@ export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harm
     harmonics: { degree, coefficients: joined(sets.map((set) => trainedCoefficients(set, degree))) },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
     dropped,
-    ...(sets.some(({ motion }) => motion) && {
-      motion: joined(sets.map((set) => set.motion ?? stillMotion(set.count))),
-    }),
+    ...Object.fromEntries(
+      OPTIONAL_COLUMNS.filter(({ name }) => sets.some((set) => set[name])).map(({ name, neutral }) => [
+        name,
+        joined(sets.map((set) => set[name] ?? neutral(set.count))),
+      ]),
+    ),
     ...(isAntialiased !== undefined && { isAntialiased }),
   };
 }

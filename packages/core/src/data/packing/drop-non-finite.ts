@@ -1,5 +1,5 @@
-import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
-import { ROW_SLOT, reasonToDrop, reasonToDropMotion } from '../splats/splat-row.ts';
+import { OPTIONAL_COLUMNS } from '../splats/columns.ts';
+import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
 import { coefficientsPerSplat, type DropCounts, type SplatSet } from '../splats/splat-set.ts';
 import { type Harmonics, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
@@ -15,8 +15,9 @@ export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): Spla
   const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(set.harmonics.degree));
   for (let index = 0; index < set.count; index++) {
     fillRow(row, set, index);
-    const motion = set.motion?.subarray(index * MOTION_VALUES, (index + 1) * MOTION_VALUES);
-    const reason = reasonToDrop(row) ?? reasonToDropMotion(motion);
+    let reason = reasonToDrop(row);
+    for (const { name, width, reasonToDrop: reasonOf } of OPTIONAL_COLUMNS)
+      reason ??= set[name] && reasonOf(set[name].subarray(width * index, width * (index + 1)));
     if (reason === undefined) kept[keptCount++] = index;
     else dropped[reason] = (dropped[reason] ?? 0) + 1;
   }

@@ -1,5 +1,5 @@
-import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import type { Vec3 } from '../math/mat4.ts';
+import { mapColumns } from '../splats/columns.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Turns } from '../turns.ts';
 import { emptyBounds, widenBounds } from './center-bounds.ts';
@@ -251,15 +251,9 @@ export function permuteSplats<Kind extends Harmonics>(
 ): SplatSet<Kind> {
   return {
     ...set,
+    ...mapColumns(set, (column, width) => permuted(column, order, width)),
     count: order.length,
-    positions: permuted(set.positions, order, 3),
-    logScales: permuted(set.logScales, order, 3),
-    rotations: permuted(set.rotations, order, 4),
-    opacityLogits: permuted(set.opacityLogits, order, 1),
-    colorDc: permuted(set.colorDc, order, 3),
     harmonics: permutedHarmonics(set.harmonics, order),
-    fileIndices: permuted(set.fileIndices, order, 1),
-    ...(set.motion && { motion: permuted(set.motion, order, MOTION_VALUES) }),
   };
 }
 
@@ -304,7 +298,7 @@ function permutedHarmonics<Kind extends Harmonics>(harmonics: Kind, order: Uint3
   return { ...harmonics, coefficients: permuted(harmonics.coefficients, order, width) };
 }
 
-function permuted<Column extends Float32Array | Uint32Array | Uint16Array>(
+function permuted<Column extends Float32Array | Float64Array | Uint32Array | Uint16Array>(
   column: Column,
   order: Uint32Array,
   width: number,

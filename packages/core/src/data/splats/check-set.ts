@@ -1,8 +1,7 @@
-import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
-import { InvalidArgumentError } from '../errors.ts';
 import { checkKind, given, wrongArgument } from '../given.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { HarmonicsPalette } from '../packing/harmonics-palette.ts';
+import { COLUMNS, OPTIONAL_COLUMNS } from './columns.ts';
 import {
   coefficientsPerSplat,
   SH_REST_COEFFICIENTS,
@@ -11,15 +10,7 @@ import {
   type TrainedHarmonics,
 } from './splat-set.ts';
 
-/** Values of each splat in the columns of a set. */
-const WIDTHS = {
-  positions: 3,
-  logScales: 3,
-  rotations: 4,
-  opacityLogits: 1,
-  colorDc: 3,
-  fileIndices: 1,
-} as const;
+const IS_OPTIONAL = new Set<string>(OPTIONAL_COLUMNS.map(({ name }) => name));
 
 /**
  * Returns `set` if its columns have the values that its splats need, for callers without types.
@@ -35,24 +26,11 @@ export function givenSet<Kind extends SplatSet<{ readonly degree: ShDegree }>>(
   const { count, harmonics } = set;
   if (!(Number.isInteger(count) && count >= 0))
     throw wrongArgument(`${argument}.count`, count, 'a whole number');
-  for (const [name, width] of Object.entries(WIDTHS))
-    checkColumn(`${argument}.${name}`, set[name as keyof typeof WIDTHS], width * count);
-  if (set.motion) checkColumn(`${argument}.motion`, set.motion, MOTION_VALUES * count);
+  for (const { name, width } of COLUMNS)
+    if (set[name] || !IS_OPTIONAL.has(name)) checkColumn(`${argument}.${name}`, set[name], width * count);
   checkDegree(`${argument}.harmonics.degree`, harmonics.degree);
   checkHarmonics(`${argument}.harmonics`, harmonics as Partial<Forms>, count);
   return set;
-}
-
-/**
- * Refuses splats that move, where only splats that stand still can be handled.
- *
- * @param who subject of the message, such as `.spz`.
- * @throws InvalidArgumentError 'set'
- */
-export function checkStill(isMoving: boolean, who: string): void {
-  if (!isMoving) return;
-  const message = `These splats move, and ${who} holds only splats that stand still. Freeze them at a time, by splatsAt or convert --time, or write a PLY.`;
-  throw new InvalidArgumentError('set', message);
 }
 
 /** @throws InvalidArgumentError unless there are harmonics of this degree. */

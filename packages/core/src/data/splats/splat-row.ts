@@ -1,4 +1,3 @@
-import { MOST_MOTION } from '../../features/motion/splat-motion.data.ts';
 import type { DropReason } from './splat-set.ts';
 
 /** Layout of one splat's values in one array: index of each property's first component. */
@@ -29,11 +28,6 @@ export function reasonToDrop(row: Float64Array | Float32Array): DropReason | und
   if (Number.isNaN(row[ROW_SLOT.opacity])) return 'non-finite-opacity';
   if (!isFiniteFloat32(row, ROW_SLOT.colorDc, row.length - ROW_SLOT.colorDc)) return 'non-finite-color';
   return undefined;
-}
-
-/** Why a splat's motion (`MOTION_SLOT`) cannot be drawn; undefined if it can, or if there is none. */
-export function reasonToDropMotion(motion: Float64Array | Float32Array | undefined): DropReason | undefined {
-  return motion?.some((value) => !(Math.abs(value) <= MOST_MOTION)) ? 'non-finite-motion' : undefined;
 }
 
 /** Checks in float32: a finite double can still be too large for a column. */

@@ -17,7 +17,8 @@ import {
   totalBounds,
 } from '../../data/packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision } from '../../data/packing/precision.ts';
-import { checkStill, givenSet } from '../../data/splats/check-set.ts';
+import { givenSet } from '../../data/splats/check-set.ts';
+import { checkStill } from '../../data/splats/columns.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 
 /** One of a morph's two states: packed splats, in the same order of storage as the other state. */
@@ -112,7 +113,7 @@ export class SplatMorph {
 
 function checkFinite(argument: string, set: SplatSet<Harmonics>): SplatSet<Harmonics> {
   const lost = givenSet(set, argument).count - dropNonFinite(set).count;
-  checkStill(set.motion !== undefined, 'a morph');
+  checkStill(set, 'a morph');
   if (lost === 0) return set;
   const message = `${argument} has ${lost} splats with values that are not finite; leave out the same rows of both sets.`;
   throw new InvalidArgumentError(argument, message);

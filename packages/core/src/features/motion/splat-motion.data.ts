@@ -1,5 +1,6 @@
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
+import type { DropReason } from '../../data/splats/splat-set.ts';
 
 const { LEAST_ROTATION, MOST_ELAPSED } = SHADER_CONSTANTS;
 
@@ -35,6 +36,11 @@ export const MOTION_VALUES = 15;
 export const MOST_MOTION = 1e12;
 /** Shortest duration: its inverse, squared, is in float32's range. */
 const LEAST_DURATION = 1e-18;
+
+/** Why one splat's motion cannot be drawn; undefined if it can. */
+export function reasonToDropMotion(motion: Float64Array | Float32Array): DropReason | undefined {
+  return motion.some((value) => !(Math.abs(value) <= MOST_MOTION)) ? 'non-finite-motion' : undefined;
+}
 
 /** Time in which a splat's opacity falls to 1/e. */
 export function durationOf(logDuration: number): number {

@@ -6,7 +6,8 @@ import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../d
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import { PositionSample } from '../../data/packing/position-sample.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
-import { ROW_SLOT, reasonToDrop, reasonToDropMotion } from '../../data/splats/splat-row.ts';
+import { COLUMNS, mapColumns, OPTIONAL_COLUMNS, type OptionalColumn } from '../../data/splats/columns.ts';
+import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type DropCounts,
@@ -14,7 +15,6 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
-import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { emptyError } from './empty-error.ts';
 import type { OnPiece } from './read-format.ts';
@@ -31,8 +31,7 @@ interface Columns {
   colorDc: Float32Array;
   shWords: Uint32Array;
   fileIndices: Uint32Array;
-  /** Empty if the splats stand still. */
-  motion: Float32Array;
+  motion?: Float32Array;
 }
 
 export interface SplatSetBuilderOptions {
@@ -51,8 +50,8 @@ export interface SplatSetBuilderOptions {
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
-  /** Whether each row has a motion (`MOTION_SLOT`), after its harmonics. Default: none has. */
-  readonly isMoving?: boolean;
+  /** Names of the optional columns whose values follow the harmonics of each row. Default: none. */
+  readonly optional?: readonly OptionalColumn['name'][];
   /** See `SplatFormatOptions`. */
   readonly onPiece?: OnPiece;
   /**
@@ -71,10 +70,10 @@ export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
   readonly #options: SplatSetBuilderOptions;
-  /** `row` without its motion and the extra value for `adjust`. */
+  /** `row` without optional columns and the extra value for `adjust`. */
   readonly #splat: Float64Array;
   readonly #shRow: Float64Array;
-  readonly #motionRow: Float64Array | undefined;
+  readonly #optional: readonly OptionalColumn[];
   readonly #wordsPerSplat: number;
   readonly #reach: ShReachMeter;
   readonly #coarsePlaces = new CoarsePlaces();
@@ -87,9 +86,9 @@ export class SplatSetBuilder {
   constructor(options: SplatSetBuilderOptions) {
     this.#options = options;
     const length = ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree);
-    const motionEnd = length + (options.isMoving ? MOTION_VALUES : 0);
-    this.row = new Float64Array(options.adjust ? motionEnd + 1 : motionEnd);
-    this.#motionRow = options.isMoving ? this.row.subarray(length, motionEnd) : undefined;
+    this.#optional = OPTIONAL_COLUMNS.filter(({ name }) => options.optional?.includes(name));
+    const end = this.#optional.reduce((sum, { width }) => sum + width, length);
+    this.row = new Float64Array(options.adjust ? end + 1 : end);
     this.#splat = this.row.subarray(0, length);
     this.#shRow = this.row.subarray(ROW_SLOT.harmonics, length);
     this.#wordsPerSplat = shWordsPerSplat(options.shDegree, options.shPrecision);
@@ -102,8 +101,8 @@ export class SplatSetBuilder {
       colorDc: new Float32Array(0),
       shWords: new Uint32Array(0),
       fileIndices: new Uint32Array(0),
-      motion: new Float32Array(0),
     };
+    for (const { name } of this.#optional) this.#columns[name] = new Float32Array(0);
     const { promisedCount, isHeld, onPiece } = options;
     const mostAtFirst = onPiece ? 2 * PIECE_SPLATS : isHeld ? promisedCount : FIRST_CAPACITY;
     this.#setCapacity(Math.min(mostAtFirst, promisedCount));
@@ -118,7 +117,12 @@ export class SplatSetBuilder {
   push(fileIndex: number): void {
     this.#options.adjust?.(this.row);
     const row = this.#splat;
-    const reason = reasonToDrop(row) ?? reasonToDropMotion(this.#motionRow);
+    let reason = reasonToDrop(row);
+    let at = row.length;
+    for (const { width, reasonToDrop: reasonOf } of this.#optional) {
+      reason ??= reasonOf(this.row.subarray(at, at + width));
+      at += width;
+    }
     if (reason !== undefined) {
       this.#dropped[reason] = (this.#dropped[reason] ?? 0) + 1;
       return;
@@ -126,8 +130,7 @@ export class SplatSetBuilder {
     if (this.#count === this.#capacity)
       this.#setCapacity(Math.min(2 * this.#capacity, this.#options.promisedCount));
     const index = this.#count++;
-    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices, motion } =
-      this.#columns;
+    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
     for (let i = 0; i < 3; i++) {
       positions[3 * index + i] = row[ROW_SLOT.position + i];
       logScales[3 * index + i] = row[ROW_SLOT.logScale + i];
@@ -136,7 +139,11 @@ export class SplatSetBuilder {
     for (let i = 0; i < 4; i++) rotations[4 * index + i] = row[ROW_SLOT.rotation + i];
     opacityLogits[index] = row[ROW_SLOT.opacity];
     fileIndices[index] = fileIndex;
-    if (this.#motionRow) motion.set(this.#motionRow, index * MOTION_VALUES);
+    at = row.length;
+    for (const { name, width } of this.#optional) {
+      this.#columns[name]!.set(this.row.subarray(at, at + width), index * width);
+      at += width;
+    }
     packCoefficients(
       this.#options.shDegree,
       this.#options.shPrecision,
@@ -152,18 +159,10 @@ export class SplatSetBuilder {
   async handOn(): Promise<void> {
     const { onPiece } = this.#options;
     if (!onPiece || this.#count < PIECE_SPLATS) return;
-    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices, motion } =
-      this.#columns;
     const count = this.#count;
     const piece = this.#setOf({
-      positions: positions.subarray(0, 3 * count),
-      logScales: logScales.subarray(0, 3 * count),
-      rotations: rotations.subarray(0, 4 * count),
-      opacityLogits: opacityLogits.subarray(0, count),
-      colorDc: colorDc.subarray(0, 3 * count),
-      shWords: shWords.subarray(0, this.#wordsPerSplat * count),
-      fileIndices: fileIndices.subarray(0, count),
-      motion: motion.subarray(0, MOTION_VALUES * count),
+      ...mapColumns(this.#columns, (column, width) => column.subarray(0, width * count) as typeof column),
+      shWords: this.#columns.shWords.subarray(0, this.#wordsPerSplat * count),
     });
     await onPiece(piece);
     this.#handedOn += count;
@@ -178,7 +177,7 @@ export class SplatSetBuilder {
     return this.#setOf(this.#columns);
   }
 
-  #setOf({ positions, shWords, motion, ...columns }: Columns): SplatSet<PackedHarmonics> {
+  #setOf({ positions, shWords, ...columns }: Columns): SplatSet<PackedHarmonics> {
     const { isAntialiased, fileFacts, origin, widePositions } = this.#options;
     const placed = { ...columns, count: this.#count, ...this.#placed(positions) };
     // Positions relative to a given origin were rounded to float32 before they were pushed.
@@ -191,7 +190,6 @@ export class SplatSetBuilder {
     const notes = note === undefined ? undefined : [...(fileFacts?.notes ?? []), note];
     return {
       ...placed,
-      ...(this.#options.isMoving && { motion }),
       harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
@@ -220,14 +218,9 @@ export class SplatSetBuilder {
     const columns = this.#columns;
     try {
       // One after another, so that only one column is duplicated at a time.
-      columns.positions = resized(columns.positions, 3 * capacity);
-      columns.logScales = resized(columns.logScales, 3 * capacity);
-      columns.rotations = resized(columns.rotations, 4 * capacity);
-      columns.opacityLogits = resized(columns.opacityLogits, capacity);
-      columns.colorDc = resized(columns.colorDc, 3 * capacity);
+      for (const { name, width } of COLUMNS)
+        if (columns[name]) Object.assign(columns, { [name]: resized(columns[name], width * capacity) });
       columns.shWords = resized(columns.shWords, this.#wordsPerSplat * capacity);
-      columns.fileIndices = resized(columns.fileIndices, capacity);
-      if (this.#options.isMoving) columns.motion = resized(columns.motion, MOTION_VALUES * capacity);
     } catch (cause) {
       if (!(cause instanceof RangeError)) throw cause;
       const { file, shPrecision } = this.#options;

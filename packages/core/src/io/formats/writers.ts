@@ -3,7 +3,8 @@ import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
-import { checkStill, givenSet } from '../../data/splats/check-set.ts';
+import { givenSet } from '../../data/splats/check-set.ts';
+import { checkStill } from '../../data/splats/columns.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { buffersIn } from '../remote.ts';
 import type { BrickResult, BrickTask, PackZlib } from './bricks/brick-tasks.ts';
@@ -44,7 +45,7 @@ export async function writeSplats(
     throw new InvalidArgumentError('formatName', message);
   }
   given(options);
-  checkMotion(givenSet(set).motion !== undefined, formatName);
+  checkMotion(givenSet(set).motion, formatName);
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[pathOf(formatName)]();
   return write(set, { ...options, onProgress: guarded(options.onProgress) });
@@ -165,15 +166,15 @@ export async function writeSplatPieces(
 ): Promise<void> {
   if (!canWritePieces(formatName))
     throw new InvalidArgumentError('formatName', `${shown(formatName)} cannot be written in pieces.`);
-  checkMotion(pieces.facts.timeRange !== null, formatName);
+  checkMotion(pieces.facts.timeRange, formatName);
   if (pieces.facts.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await PIECE_WRITERS[pathOf(formatName)]();
   await write(pieces, { ...options, onProgress: guarded(options.onProgress) }, put);
 }
 
-function checkMotion(isMoving: boolean, formatName: string): void {
+function checkMotion(motion: unknown, formatName: string): void {
   const holdsIt = WRITABLE_FORMATS.some(({ name, hasMotion }) => name === formatName && hasMotion);
-  checkStill(isMoving && !holdsIt, `.${formatName}`);
+  if (!holdsIt) checkStill({ motion }, `.${formatName}`);
 }
 
 function pathOf(formatName: string): string {

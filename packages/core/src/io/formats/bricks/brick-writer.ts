@@ -15,7 +15,8 @@ import { chooseOrigin } from '../../../data/packing/origin.ts';
 import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
 import { PositionSample } from '../../../data/packing/position-sample.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
-import { checkStill, givenSet } from '../../../data/splats/check-set.ts';
+import { givenSet } from '../../../data/splats/check-set.ts';
+import { checkStill } from '../../../data/splats/columns.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { addRounding, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
@@ -287,7 +288,7 @@ export class BrickWriter {
    * storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
-    checkStill(givenSet(set).motion !== undefined, '.bricks');
+    checkStill(givenSet(set), '.bricks');
     const file = await this.#openArrived();
     if (set.count > 0) this.#told.add(set.isAntialiased);
     this.#sample.addAll(set.positions, set.count, set.origin, this.#count, set.logScales);

@@ -1,4 +1,5 @@
 import { type Harmonics, isPacked, isPalette } from '../../../data/packing/harmonics.ts';
+import { mapColumns } from '../../../data/splats/columns.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 
 /** A copy of a range of a set's splats. */
@@ -6,12 +7,8 @@ export function sliceOf(set: SplatSet<Harmonics>, from: number, to: number): Spl
   const { harmonics } = set;
   return {
     ...set,
+    ...mapColumns(set, (column, width) => column.slice(width * from, width * to) as typeof column),
     count: to - from,
-    positions: set.positions.slice(3 * from, 3 * to),
-    logScales: set.logScales.slice(3 * from, 3 * to),
-    rotations: set.rotations.slice(4 * from, 4 * to),
-    opacityLogits: set.opacityLogits.slice(from, to),
-    colorDc: set.colorDc.slice(3 * from, 3 * to),
     harmonics: harmonicsBetween(harmonics, from, to),
     fileIndices: new Uint32Array(to - from),
     dropped: {},

@@ -3,7 +3,8 @@ import { given, wrongArgument } from '../../../data/given.ts';
 import { dropNonFinite } from '../../../data/packing/drop-non-finite.ts';
 import type { Harmonics } from '../../../data/packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../../../data/packing/morton-order.ts';
-import { checkStill, givenSet } from '../../../data/splats/check-set.ts';
+import { givenSet } from '../../../data/splats/check-set.ts';
+import { checkStill } from '../../../data/splats/columns.ts';
 import { agreedAntialiasing, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { crc32 } from '../../containers/crc32.ts';
 import { packZlib } from '../../containers/pack-gzip.ts';
@@ -96,7 +97,7 @@ export class FrameWriter {
    * frames.
    */
   async add(frame: SplatSet<Harmonics>): Promise<void> {
-    checkStill(givenSet(frame, 'frame').motion !== undefined, 'a frame');
+    checkStill(givenSet(frame, 'frame'), 'a frame');
     const set = dropNonFinite(frame);
     const number = this.frameCount;
     if (set.count === 0)

@@ -193,7 +193,7 @@ export async function readPlyWith(
     isHeld: input.isHeld,
     isAntialiased,
     fileFacts,
-    isMoving,
+    optional: isMoving ? ['motion'] : [],
     // `complete` needs all splats at once.
     onPiece: variant?.complete ? undefined : options.onPiece,
     adjust: filteredAxes > 0 || isPlain ? adjust : undefined,
