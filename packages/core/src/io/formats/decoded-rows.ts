@@ -9,11 +9,11 @@ import {
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
 import { type ByteHarmonics, copyRows, isShorter } from './byte-harmonics.ts';
-import { checkCount } from './check-count.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { ReadProgress } from './progress.ts';
 import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
+import { checkCount } from './splat-counts.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
 /** Rows between two yields to the event loop. */

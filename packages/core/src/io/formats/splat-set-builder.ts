@@ -16,8 +16,8 @@ import {
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
 import { CoarsePlaces } from './coarse-places.ts';
-import { emptyError } from './empty-error.ts';
 import type { OnPiece } from './read-format.ts';
+import { emptyError } from './splat-counts.ts';
 
 const FIRST_CAPACITY = 4096;
 /** Least splats per piece: a few megabytes. */

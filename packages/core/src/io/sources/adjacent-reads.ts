@@ -1,6 +1,6 @@
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { onAbort } from '../../data/on-abort.ts';
-import { endOf, type FilePart } from './file-part.ts';
+import { endOf, type FilePart } from './remote-file.ts';
 
 /** A read that waits for its part. */
 interface WaitingRead<Part, Result> {

@@ -1,13 +1,11 @@
 import { AdjacentReads } from './adjacent-reads.ts';
 import { ByteReader } from './byte-reader.ts';
-import { checkRequest } from './check-request.ts';
 import { FewRequests } from './few-requests.ts';
-import type { FilePart } from './file-part.ts';
 import { shortName } from './known-source.ts';
-import { addressOf, Transfer } from './open-url.ts';
+import { addressOf, checkRequest, Transfer } from './open-url.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
-import { askFor, factsOf, noParts, PARTIAL_CONTENT, RemoteFile } from './remote-file.ts';
+import { askFor, type FilePart, factsOf, noParts, PARTIAL_CONTENT, RemoteFile } from './remote-file.ts';
 import type { ReadOptions } from './splat-source.ts';
 
 /** Largest file to keep in memory if a server ignores range requests. */

@@ -1,9 +1,18 @@
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
-import { endOf, type FilePart } from './file-part.ts';
 import { bodyOf, cancelBody, isPacked, type PartFacts, partOf, Transfer } from './open-url.ts';
 import type { RequestOptions } from './splat-source.ts';
+
+/** A range of bytes of a file. */
+export interface FilePart {
+  readonly offset: number;
+  readonly bytes: number;
+}
+
+export function endOf({ offset, bytes }: FilePart): number {
+  return offset + bytes;
+}
 
 /** HTTP statuses of a byte range, and of a range outside of the file. */
 export const PARTIAL_CONTENT = 206;

@@ -5,10 +5,9 @@ import type { ByteValues } from '../../../data/packing/row-layout.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
-import { readExactly } from '../../sources/read-exactly.ts';
+import { readExactly } from '../../sources/read-all.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { type ByteHarmonics, floatRows } from '../byte-harmonics.ts';
-import { checkCount } from '../check-count.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import {
@@ -17,12 +16,13 @@ import {
   type PlyHeader,
   type PlyType,
   readPlyHeader,
+  shPropertiesOf,
   TYPE_BYTES,
 } from '../ply/ply-header.ts';
-import { shPropertiesOf } from '../ply/sh-properties.ts';
 import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatInput } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
+import { checkCount } from '../splat-counts.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 
 /** Geometry bounds of a chunk: least values, then greatest. */

@@ -5,7 +5,7 @@ import {
   type SplatFileErrorCode,
 } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
-import { parseJson } from '../parse-json.ts';
+import { parseJson } from '../file-json.ts';
 import { FIRST_SPZ, SPLATTING } from './gltf-semantics.ts';
 
 /** Most JSON values of a file; scenes of splats have a few hundred. */

@@ -3,12 +3,12 @@ import { fromHalfBits } from '../../../data/layout/half.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
-import { readExactly } from '../../sources/read-exactly.ts';
-import { checkCount } from '../check-count.ts';
+import { readExactly } from '../../sources/read-all.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../read-format.ts';
+import { checkCount } from '../splat-counts.ts';
 
 const HEADER_BYTES = 4096;
 const SECTION_HEADER_BYTES = 1024;

@@ -4,8 +4,7 @@ import { ByteReader } from '../../sources/byte-reader.ts';
 import { latin1 } from '../first-bytes.ts';
 import { FILTER_PROPERTY } from './fuse-filter.ts';
 import { rowBytes } from './ply-binary.ts';
-import { readPlyHeader, TYPE_BYTES } from './ply-header.ts';
-import { shPropertiesOf } from './sh-properties.ts';
+import { readPlyHeader, shPropertiesOf, TYPE_BYTES } from './ply-header.ts';
 
 /** A run of consecutive rows: index of the first, and number of rows. */
 export type RowRun = readonly [first: number, count: number];

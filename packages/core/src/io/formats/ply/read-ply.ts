@@ -9,12 +9,12 @@ import {
   type SplatSet,
 } from '../../../data/splats/splat-set.ts';
 import { MOTION_VALUES, stillMotion } from '../../../features/motion/splat-motion.data.ts';
-import { checkCount } from '../check-count.ts';
 import { plyKindOf } from '../first-bytes.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
 import type { FormatReaders, ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
+import { checkCount } from '../splat-counts.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { FILTER_NOTE, FILTER_PROPERTY, fuseFilter } from './fuse-filter.ts';
 import { hasPlainColors, motionPropertiesOf } from './motion-properties.ts';
@@ -27,9 +27,10 @@ import {
   type PlyHeader,
   type PlyProperty,
   readPlyHeader,
+  type ShProperties,
+  shPropertiesOf,
   TYPE_BYTES,
 } from './ply-header.ts';
-import { type ShProperties, shPropertiesOf } from './sh-properties.ts';
 
 /** A readable PLY that lacks properties of the standard layout. */
 export interface PlyVariant {

@@ -2,8 +2,8 @@ import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts
 import { shown } from '../../../data/printable.ts';
 import { gunzip } from '../../containers/gzip.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
+import type { JsonFields } from '../file-json.ts';
 import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
-import type { JsonFields } from '../json-fields.ts';
 import { bytesOf, decodeColumn, type Encoding, PROPERTIES, type PropertyName } from './rad-columns.ts';
 import { type ChunkPlace, PREFIX_BYTES, padded, parseRadJson } from './rad-header.ts';
 

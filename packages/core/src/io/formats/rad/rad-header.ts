@@ -1,10 +1,9 @@
 import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
-import { checkCount } from '../check-count.ts';
+import { JsonFields, parseJson } from '../file-json.ts';
 import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
-import { JsonFields } from '../json-fields.ts';
-import { parseJson } from '../parse-json.ts';
+import { checkCount } from '../splat-counts.ts';
 
 /** Signature and length of the JSON, for a scene or a chunk. */
 export const PREFIX_BYTES = 8;

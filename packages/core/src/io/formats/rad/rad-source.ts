@@ -4,7 +4,7 @@ import type { KnownSource } from '../../sources/known-source.ts';
 import { openFiles } from '../../sources/open-files.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { addressOf } from '../../sources/open-url.ts';
-import { truncated } from '../../sources/read-exactly.ts';
+import { truncated } from '../../sources/read-all.ts';
 import { openPart, readOpenedPart } from '../../sources/read-part.ts';
 import type { ReadOptions } from '../../sources/splat-source.ts';
 import { latin1, RAD_MAGIC } from '../first-bytes.ts';

@@ -1,12 +1,12 @@
 import { SplatFileError } from '../../../data/errors.ts';
-import { readExactly } from '../../sources/read-exactly.ts';
+import { readExactly } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import { checkCount } from '../check-count.ts';
 import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../read-format.ts';
+import { checkCount } from '../splat-counts.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
-import { LeafReader } from './leaf-reader.ts';
+import { FinestReader } from './finest-reader.ts';
 import { RadChunk } from './rad-chunk.ts';
 import { readRadHeader } from './rad-header.ts';
 
@@ -42,7 +42,7 @@ export const read: ReadFormat = async (input, options) => {
     promisedCount: count,
     isHeld: false,
   });
-  const leaves = new LeafReader(header, builder, file, maxSplats, async () => {
+  const leaves = new FinestReader(header, builder, file, maxSplats, async () => {
     progress.report(builder.count);
     await builder.handOn();
     await input.reader.pause();

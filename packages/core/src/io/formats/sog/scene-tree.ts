@@ -1,6 +1,6 @@
 import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
-import { JsonFields } from '../json-fields.ts';
+import { JsonFields } from '../file-json.ts';
 
 /** Consecutive splats of a file. */
 export interface Run {

@@ -2,10 +2,9 @@ import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
+import { JsonFields, parseJson } from '../file-json.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
-import { JsonFields } from '../json-fields.ts';
 import { UNREAD } from '../other-files.ts';
-import { parseJson } from '../parse-json.ts';
 
 /** Most bytes of a metadata file; large streamed scenes have some millions. */
 export const MAX_META_BYTES = 2 ** 26;

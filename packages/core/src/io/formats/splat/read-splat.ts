@@ -3,12 +3,12 @@ import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-val
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
-import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
 import { type ReadFormat, SNIFF_BYTES } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
+import { checkCount } from '../splat-counts.ts';
 
 const ROW_BYTES = 32;
 /** Rows that are checked for plausibility, because a .splat has no signature. */

@@ -1,4 +1,4 @@
-import { checkCount } from '../check-count.ts';
+import { checkCount } from '../splat-counts.ts';
 import type { SplatSetBuilder } from '../splat-set-builder.ts';
 import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
 import type { RadChunk } from './rad-chunk.ts';
@@ -9,7 +9,7 @@ import { TreeCheck } from './tree-check.ts';
 const SPLATS_AT_ONCE = 4096;
 
 /** Reads the splats of a scene: the nodes without children. */
-export class LeafReader {
+export class FinestReader {
   readonly #header: RadHeader;
   readonly #builder: SplatSetBuilder;
   readonly #file: string;
