@@ -49,7 +49,7 @@ const PACKAGES = [
       'scene-worker': 'src/io/formats/scene-worker.ts',
       'formats-worker': 'src/io/formats/formats-worker.ts',
       'collider-worker': 'src/clouds/collider/collider-worker.ts',
-      'framing-worker': 'src/clouds/framing/framing-worker.ts',
+      'framing-worker': 'src/framing/framing-worker.ts',
       'ray-worker': 'src/clouds/rays/ray-worker.ts',
       'keep-worker': 'src/io/keep/keep-worker.ts',
     },

@@ -47,7 +47,6 @@ export {
 } from './data/camera/camera.ts';
 export type { DepthConvention } from './data/camera/depth-convention.ts';
 export * from './data/errors.ts';
-export type { SceneFraming, SceneKind } from './data/framing/scene-framing.ts';
 export { callListener, Listeners } from './data/listeners.ts';
 export type { Vec3 } from './data/math/mat4.ts';
 export { type CloudFacts, cloudFacts } from './data/packing/cloud-facts.ts';
@@ -107,12 +106,13 @@ export {
   type FixedDetail,
   isFixedDetail,
 } from './frame/detail.ts';
-export type { FrameSceneOptions } from './frame/frame-clouds.ts';
 export type { HostPass } from './frame/frame-part.ts';
 export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
-export { frameScene } from './frame/frame-scene.ts';
 export type { EffectEntry } from './frame/ledger/ledger.ts';
 export type { EmbeddedImage } from './frame/parts/host-textures.ts';
+export type { FrameSceneOptions } from './framing/frame-clouds.ts';
+export { frameScene } from './framing/frame-scene.ts';
+export type { SceneFraming, SceneKind } from './framing/scene-framing.ts';
 export {
   adapterLabel,
   type DeviceOptions,

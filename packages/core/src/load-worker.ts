@@ -1,7 +1,7 @@
 import { COLLIDER_BUILDERS } from './clouds/collider/build-collider.ts';
-import { FRAMING_BUILDERS } from './clouds/framing/framing-builder.ts';
 import { builderTasks } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/rays/ray-tree-builder.ts';
+import { FRAMING_BUILDERS } from './framing/framing-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { SCENE_TASKS, WAITING_TASKS } from './io/formats/scene-tasks.ts';
 import { type LoadPort, serveLoad, withPageDecoder } from './io/loading/serve-load.ts';

@@ -4,8 +4,7 @@
  *
  * @module
  */
-export type { FramingOptions } from './clouds/framing/framing-wishes.ts';
-export { SplatFramer } from './clouds/framing/splat-framer.ts';
+
 export {
   type CropBox,
   cropPiece,
@@ -27,6 +26,8 @@ export {
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 export type { GradeOptions } from './data/math/grade-matrix.ts';
 export { splatsAt } from './features/motion/splats-at.data.ts';
+export type { FramingOptions } from './framing/framing-wishes.ts';
+export { SplatFramer } from './framing/splat-framer.ts';
 export { zipFiles } from './io/containers/write-zip.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';

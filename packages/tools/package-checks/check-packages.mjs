@@ -41,7 +41,7 @@ const VIEWER_APART = [
   'apps/viewer/src/navigate/walks.ts',
   'packages/core/src/io/formats/thread-readers.ts',
   'packages/core/src/io/containers/decode-meshopt.ts',
-  'packages/core/src/clouds/framing/framing-builder.ts',
+  'packages/core/src/framing/framing-builder.ts',
   'packages/core/src/features/gpu-splats/gpu-splats.clouds.ts',
   'packages/core/src/io/loading/serve-load.ts',
 ].map((path) => posix.relative('apps/viewer', path));

@@ -25,6 +25,8 @@ export const CORE_TIERS: Arrows = {
   clouds: 'stages gpu io data',
   /** One frame: plan, buffers, the order of its stages, and the ledger of its effects. */
   frame: 'clouds stages gpu data',
+  /** First cameras: samples of clouds and of splats in memory, and the camera that shows them best. */
+  framing: 'frame clouds stages gpu io data',
   /** Choices for effects in user interfaces, exported as `@websplatter/core/effect-options`. */
   options: 'gpu data',
   /** Float64 references of every stage, without a GPU. */
@@ -36,7 +38,7 @@ export const CORE_TIERS: Arrows = {
   /** Views: frames on a canvas or in another renderer. Measuring code is loaded on demand. */
   views: 'measure(types) frame clouds stages gpu data',
   /** Edits splats, frames them without a GPU and writes files, exported as `@websplatter/core/write`. */
-  'write.ts': 'clouds io data',
+  'write.ts': 'framing io data',
   /** Scenes in the browser's storage, exported as `@websplatter/core/keep`. */
   'keep.ts': 'io',
   /** Splats from arrays, edits, morphs and bones, exported as `@websplatter/core/own-data`. */
@@ -46,7 +48,7 @@ export const CORE_TIERS: Arrows = {
   /** Splats from images and text, exported as `@websplatter/core/make`. */
   'make.ts': 'data',
   /** All workers in one script, exported as `@websplatter/core/load-worker`. */
-  'load-worker.ts': 'clouds io',
+  'load-worker.ts': 'framing clouds io',
   /** Checks arguments other than frame requests. */
   'check-options.ts': 'clouds(types) data',
   /** The engine: one device, its clouds and its views. */
@@ -56,7 +58,7 @@ export const CORE_TIERS: Arrows = {
   /** Frames taken apart and engines changed for tests, exported as `@websplatter/core/inspect`. */
   'inspect.ts': 'create-engine.ts engine.ts(types) inspect clouds stages gpu data',
   /** The public interface. */
-  'index.ts': 'create-engine.ts engine.ts(types) views measure frame clouds gpu io data',
+  'index.ts': 'create-engine.ts engine.ts(types) views measure framing frame clouds gpu io data',
 };
 
 /** Allowed imports in apps/viewer/src: its folders, and the files of its pages. */

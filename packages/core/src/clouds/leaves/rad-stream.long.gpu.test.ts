@@ -4,7 +4,7 @@ import { SplatEngine } from '../../create-engine.ts';
 import type { LeafLevel, LeafScene, SceneLeaf } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { nextTask } from '../../data/turns.ts';
-import { frameScene } from '../../frame/frame-scene.ts';
+import { frameScene } from '../../framing/frame-scene.ts';
 import { openRad } from '../../io/formats/rad/open-rad.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
 import { knownSource } from '../../io/sources/known-source.ts';

@@ -8,7 +8,7 @@ import type { Accuracy } from '../../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { type SplatArrays, splatsFromArrays } from '../../data/editing/splats-from-arrays.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
-import { frameScene } from '../../frame/frame-scene.ts';
+import { frameScene } from '../../framing/frame-scene.ts';
 import { compareImages, renderReference } from '../../reference/index.ts';
 import { countedDevice } from '../../testing/counted-device.ts';
 import { deviceWith, limitsWith } from '../../testing/device-with.ts';

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../../data/math/mat4.ts';
-import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import type { GeometryPrecision } from '../data/packing/precision.ts';
 
 /** Sampled splats of one cloud, as stored, with the instances that they belong to. */
 export interface SampledSplats {

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { MadeScene, park, room, statue, Y_DOWN, Y_UP, Z_UP } from '../../testing/made-scene.ts';
-import type { Quaternion } from '../editing/quaternion.ts';
-import type { Vec3 } from '../math/mat4.ts';
+import type { Quaternion } from '../data/editing/quaternion.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { MadeScene, park, room, statue, Y_DOWN, Y_UP, Z_UP } from '../testing/made-scene.ts';
 import { frameSample } from './frame-sample.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 import type { SplatSample } from './splat-sample.ts';

@@ -1,14 +1,14 @@
 import { buildOfPieces } from '../clouds/build-of-geometry.ts';
-import type { FramingPlan, FramingResult } from '../clouds/framing/framing-builder.ts';
-import { checkFramingOptions, type FramingOptions, framingWishes } from '../clouds/framing/framing-wishes.ts';
-import { type PlacedCloud, readSamples } from '../clouds/framing/read-samples.ts';
-import type { SampledSplats } from '../clouds/framing/sampled-splats.ts';
 import { checkMatrix } from '../data/camera/camera.ts';
 import { fetched } from '../data/errors.ts';
-import type { FramingWishes, SceneFraming } from '../data/framing/scene-framing.ts';
 import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
-import { checkInstances, worldMatrices } from './cloud-instances.ts';
-import type { CloudInstance } from './frame-request.ts';
+import { checkInstances, worldMatrices } from '../frame/cloud-instances.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
+import type { FramingPlan, FramingResult } from './framing-builder.ts';
+import { checkFramingOptions, type FramingOptions, framingWishes } from './framing-wishes.ts';
+import { type PlacedCloud, readSamples } from './read-samples.ts';
+import type { SampledSplats } from './sampled-splats.ts';
+import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 
 /** Options of `frameScene`. */
 export interface FrameSceneOptions extends FramingOptions {
@@ -83,8 +83,7 @@ async function framePlaced(
     subject: 'The framing of a scene',
     plan: { wishes, weight },
     // In one piece, since this is the form that bundlers recognise.
-    makeWorker: () =>
-      new Worker(new URL('../clouds/framing/framing-worker.ts', import.meta.url), { type: 'module' }),
+    makeWorker: () => new Worker(new URL('./framing-worker.ts', import.meta.url), { type: 'module' }),
     make: async (plan) => new (await loadBuilder()).FramingBuilder(plan, signal),
     signal,
   });
@@ -92,6 +91,6 @@ async function framePlaced(
 }
 
 /** Pages whose workers start do without it: it is most of the code. */
-function loadBuilder(): Promise<typeof import('../clouds/framing/framing-builder.ts')> {
-  return fetched('framing', import('../clouds/framing/framing-builder.ts'));
+function loadBuilder(): Promise<typeof import('./framing-builder.ts')> {
+  return fetched('framing', import('./framing-builder.ts'));
 }

@@ -1,14 +1,14 @@
 import { describe, expect, test } from 'vitest';
-import { filterSplats } from '../../data/editing/crop-splats.ts';
-import { limitDegree } from '../../data/editing/limit-degree.ts';
-import { type Quaternion, rotationMatrixOf } from '../../data/editing/quaternion.ts';
-import { transformSplats } from '../../data/editing/transform-splats.ts';
-import type { SceneFraming } from '../../data/framing/scene-framing.ts';
-import { transform3 } from '../../data/math/mat4.ts';
-import type { Harmonics } from '../../data/packing/harmonics.ts';
-import type { SplatSet } from '../../data/splats/splat-set.ts';
-import { splatsOf } from '../../testing/random-splats.ts';
-import { stillLife } from '../../testing/still-life.ts';
+import { filterSplats } from '../data/editing/crop-splats.ts';
+import { limitDegree } from '../data/editing/limit-degree.ts';
+import { type Quaternion, rotationMatrixOf } from '../data/editing/quaternion.ts';
+import { transformSplats } from '../data/editing/transform-splats.ts';
+import { transform3 } from '../data/math/mat4.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
+import { splatsOf } from '../testing/random-splats.ts';
+import { stillLife } from '../testing/still-life.ts';
+import type { SceneFraming } from './scene-framing.ts';
 import { SplatFramer } from './splat-framer.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';

@@ -1,10 +1,10 @@
 import { describe, expect, test } from 'vitest';
-import { multiply4 } from '../../data/math/mat4.ts';
-import { chunksOf, logScalesOf } from '../../data/packing/chunks.ts';
-import { packGeometry } from '../../data/packing/geometry.ts';
-import type { GeometryPrecision } from '../../data/packing/precision.ts';
-import type { SplatSet } from '../../data/splats/splat-set.ts';
-import { type SplatValues, splatsOf } from '../../testing/random-splats.ts';
+import { multiply4 } from '../data/math/mat4.ts';
+import { chunksOf, logScalesOf } from '../data/packing/chunks.ts';
+import { packGeometry } from '../data/packing/geometry.ts';
+import type { GeometryPrecision } from '../data/packing/precision.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
+import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { decodeSamples } from './splat-decoder.ts';
 
 const MOVED = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1];

@@ -1,8 +1,8 @@
-import { frameSample } from '../../data/framing/frame-sample.ts';
-import type { FramingWishes, SceneFraming } from '../../data/framing/scene-framing.ts';
-import { nextTask } from '../../data/turns.ts';
-import type { GeometryBuilder, GeometryBuilders } from '../geometry-builder.ts';
+import type { GeometryBuilder, GeometryBuilders } from '../clouds/geometry-builder.ts';
+import { nextTask } from '../data/turns.ts';
+import { frameSample } from './frame-sample.ts';
 import type { SampledSplats } from './sampled-splats.ts';
+import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 import { decodeSamples } from './splat-decoder.ts';
 
 export interface FramingPlan {

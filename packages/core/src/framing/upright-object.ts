@@ -1,4 +1,4 @@
-import type { Vec3 } from '../math/mat4.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
 import type { CameraTrial } from './camera-trial.ts';
 import { type FoundUp, findUp, type Surfaces, turnedOver, USUAL_CONFIDENCE } from './find-up.ts';
 import { log } from './portable-math.ts';

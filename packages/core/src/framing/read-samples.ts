@@ -1,18 +1,18 @@
-import { SplatSourceError } from '../../data/errors.ts';
-import { MOST_SAMPLES } from '../../data/framing/splat-sample.ts';
-import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { logScalesOf } from '../../data/packing/chunks.ts';
-import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
-import { Pipelines } from '../../gpu/pipelines.ts';
-import { ingestGather } from '../../stages/gather/gather.ts';
-import { flushFeatures, writerOf } from '../cloud-feature.ts';
-import type { DispatchContext } from '../ingest/dispatches.ts';
-import { gatherGeometry } from '../ingest/sample-centres.ts';
-import { MEMORY_ADVICE, type SplatCloud } from '../splat-cloud.ts';
-import type { CoarseSplats, SplatSpan } from '../stream/cloud-stream.ts';
+import { flushFeatures, writerOf } from '../clouds/cloud-feature.ts';
+import type { DispatchContext } from '../clouds/ingest/dispatches.ts';
+import { gatherGeometry } from '../clouds/ingest/sample-centres.ts';
+import { MEMORY_ADVICE, type SplatCloud } from '../clouds/splat-cloud.ts';
+import type { CoarseSplats, SplatSpan } from '../clouds/stream/cloud-stream.ts';
+import { SplatSourceError } from '../data/errors.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { logScalesOf } from '../data/packing/chunks.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
+import { Pipelines } from '../gpu/pipelines.ts';
+import { ingestGather } from '../stages/gather/gather.ts';
 import { pickWords } from './pick-words.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 import { type ChosenSplats, shareSamples } from './share-samples.ts';
+import { MOST_SAMPLES } from './splat-sample.ts';
 
 /** A cloud with its instances in the world. */
 export interface PlacedCloud {

@@ -1,4 +1,4 @@
-import type { Vec3 } from '../math/mat4.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
 
 /**
  * Where a camera stands. An `object` is viewed from outside. A `surrounded` subject, such as a statue

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { unit } from '../math/vec3.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { unit } from '../data/math/vec3.ts';
 import { CameraTrial, sharedViews, type Tried } from './camera-trial.ts';
 import { type FoundUp, findSurfaces, findUp, knownUp, turnedOver } from './find-up.ts';
 import { sinCos } from './portable-math.ts';

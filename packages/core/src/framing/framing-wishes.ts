@@ -1,10 +1,10 @@
-import type { FramingWishes, SceneKind } from '../../data/framing/scene-framing.ts';
-import { wrongArgument } from '../../data/given.ts';
-import { linearPart, transform3, type Vec3 } from '../../data/math/mat4.ts';
-import { checkOneOf } from '../../data/packing/check-precision.ts';
-import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
-import { fileUp, USUAL_UP } from '../../data/packing/file-up.ts';
-import { checkVector, isFiniteF32 } from '../../gpu/effects/option-checks.ts';
+import { wrongArgument } from '../data/given.ts';
+import { linearPart, transform3, type Vec3 } from '../data/math/mat4.ts';
+import { checkOneOf } from '../data/packing/check-precision.ts';
+import type { CloudFacts } from '../data/packing/cloud-facts.ts';
+import { fileUp, USUAL_UP } from '../data/packing/file-up.ts';
+import { checkVector, isFiniteF32 } from '../gpu/effects/option-checks.ts';
+import type { FramingWishes, SceneKind } from './scene-framing.ts';
 
 /** Options for the first camera of a scene. */
 export interface FramingOptions {

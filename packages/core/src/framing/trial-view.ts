@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { cross, dot, unit } from '../math/vec3.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { cross, dot, unit } from '../data/math/vec3.ts';
 import { exp } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 

@@ -1,7 +1,7 @@
 import { fetched } from '../data/errors.ts';
-import type { SceneFraming } from '../data/framing/scene-framing.ts';
+import type { CloudInstance } from '../frame/frame-request.ts';
 import type { FrameSceneOptions } from './frame-clouds.ts';
-import type { CloudInstance } from './frame-request.ts';
+import type { SceneFraming } from './scene-framing.ts';
 
 /**
  * Finds a first camera for a scene: where its detail lies, which way is up, whether it is an object

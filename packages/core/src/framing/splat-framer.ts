@@ -1,14 +1,12 @@
-import { checkMatrix } from '../../data/camera/camera.ts';
-import { frameSample } from '../../data/framing/frame-sample.ts';
-import type { SceneFraming } from '../../data/framing/scene-framing.ts';
-import { MOST_SAMPLES } from '../../data/framing/splat-sample.ts';
-import { given } from '../../data/given.ts';
-import { identity4 } from '../../data/math/mat4.ts';
-import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
-import type { Harmonics } from '../../data/packing/harmonics.ts';
-import { permuteSplats } from '../../data/packing/morton-order.ts';
-import { givenSet } from '../../data/splats/check-set.ts';
-import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { checkMatrix } from '../data/camera/camera.ts';
+import { given } from '../data/given.ts';
+import { identity4 } from '../data/math/mat4.ts';
+import { GEOMETRY_WORDS, packGeometry } from '../data/packing/geometry.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import { permuteSplats } from '../data/packing/morton-order.ts';
+import { givenSet } from '../data/splats/check-set.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
+import { frameSample } from './frame-sample.ts';
 import {
   checkFramingOptions,
   type FramedPart,
@@ -17,8 +15,10 @@ import {
 } from './framing-wishes.ts';
 import { pickWords } from './pick-words.ts';
 import type { SampledSplats } from './sampled-splats.ts';
+import type { SceneFraming } from './scene-framing.ts';
 import { shareSamples } from './share-samples.ts';
 import { decodeSamples } from './splat-decoder.ts';
+import { MOST_SAMPLES } from './splat-sample.ts';
 
 const STRIDE = GEOMETRY_WORDS.f32;
 

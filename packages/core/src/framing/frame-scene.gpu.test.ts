@@ -1,6 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
-import { FRAMING_BUILDERS } from '../clouds/framing/framing-builder.ts';
 import { builderTasks } from '../clouds/geometry-builder.ts';
 import { streamLeaves } from '../clouds/leaves/stream-leaves.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -9,7 +8,6 @@ import { brickSceneOf } from '../data/bricks/make-bricks.ts';
 import { mergeSplats } from '../data/editing/merge-splats.ts';
 import { transformSplats } from '../data/editing/transform-splats.ts';
 import { DestroyedError, SplatSourceError, WebSplatterError } from '../data/errors.ts';
-import type { SceneFraming } from '../data/framing/scene-framing.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { followEdits } from '../features/edits/edits.clouds.ts';
 import { SplatEdits } from '../features/edits/splat-edits.data.ts';
@@ -26,6 +24,8 @@ import { droppedFiles } from '../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../testing/streamed-sog-fixture.ts';
 import type { FrameSceneOptions } from './frame-clouds.ts';
 import { frameScene } from './frame-scene.ts';
+import { FRAMING_BUILDERS } from './framing-builder.ts';
+import type { SceneFraming } from './scene-framing.ts';
 
 const SET = randomSplats({ count: 1500, shDegree: 0, logScales: [-4, -3] });
 /** z up, ten times as large, and moved. */

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { park } from '../../testing/made-scene.ts';
+import { park } from '../testing/made-scene.ts';
 import { findSurfaces, findUp } from './find-up.ts';
 import { sceneDetail } from './scene-detail.ts';
 

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { selectValue } from '../math/select-value.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { selectValue } from '../data/math/select-value.ts';
 import type { SplatSample } from './splat-sample.ts';
 import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { cross, negated, plus, scaled, unit } from '../math/vec3.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { cross, negated, plus, scaled, unit } from '../data/math/vec3.ts';
 import { FITTED_PART, FittedScene } from './fitted-scene.ts';
 import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';

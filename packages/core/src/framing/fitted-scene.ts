@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { cross, dot, negated, plus, scaled, unit } from '../math/vec3.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { cross, dot, negated, plus, scaled, unit } from '../data/math/vec3.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import type { FrameShape } from './trial-view.ts';
 import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { dot, plus } from '../math/vec3.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import { dot, plus } from '../data/math/vec3.ts';
 import { chooseCamera } from './choose-camera.ts';
 import { sinCos } from './portable-math.ts';
 import { sceneDetail } from './scene-detail.ts';
