@@ -7,7 +7,7 @@ import type { CloudInstance } from '../frame/frame-request.ts';
 import type { FramingPlan, FramingResult } from './framing-builder.ts';
 import { checkFramingOptions, type FramingOptions, framingWishes } from './framing-wishes.ts';
 import { type PlacedCloud, readSamples } from './read-samples.ts';
-import type { SampledSplats } from './sampled-splats.ts';
+import type { SampledSplats } from './samples.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 
 /** Options of `frameScene`. */

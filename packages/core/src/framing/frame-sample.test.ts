@@ -3,8 +3,8 @@ import type { Quaternion } from '../data/editing/quaternion.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { MadeScene, park, room, statue, Y_DOWN, Y_UP, Z_UP } from '../testing/made-scene.ts';
 import { frameSample } from './frame-sample.ts';
+import type { SplatSample } from './samples.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';
-import type { SplatSample } from './splat-sample.ts';
 
 const WISHES: FramingWishes = { aspect: 1.6, fovYDegrees: 50, up: null, usualUp: [0, -1, 0], kind: null };
 

@@ -1,7 +1,7 @@
 import type { GeometryBuilder, GeometryBuilders } from '../clouds/geometry-builder.ts';
 import { nextTask } from '../data/turns.ts';
 import { frameSample } from './frame-sample.ts';
-import type { SampledSplats } from './sampled-splats.ts';
+import type { SampledSplats } from './samples.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 import { decodeSamples } from './splat-decoder.ts';
 

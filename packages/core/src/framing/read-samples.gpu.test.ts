@@ -12,8 +12,8 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { signalOf } from '../testing/signal.ts';
 import { slowFile } from '../testing/slow-file.ts';
 import { readSamples } from './read-samples.ts';
+import type { SplatSample } from './samples.ts';
 import { decodeSamples } from './splat-decoder.ts';
-import type { SplatSample } from './splat-sample.ts';
 
 const COUNT = 1500;
 const SET = randomSplats({ count: COUNT, shDegree: 1 });

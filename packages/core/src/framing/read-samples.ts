@@ -9,10 +9,8 @@ import { logScalesOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { ingestGather } from '../stages/gather/gather.ts';
-import { pickWords } from './pick-words.ts';
-import type { SampledSplats } from './sampled-splats.ts';
-import { type ChosenSplats, shareSamples } from './share-samples.ts';
-import { MOST_SAMPLES } from './splat-sample.ts';
+import type { SampledSplats } from './samples.ts';
+import { type ChosenSplats, MOST_SAMPLES, pickWords, shareSamples } from './samples.ts';
 
 /** A cloud with its instances in the world. */
 export interface PlacedCloud {

@@ -1,6 +1,6 @@
 import type { Vec3 } from '../data/math/mat4.ts';
 import { selectValue } from '../data/math/select-value.ts';
-import type { SplatSample } from './splat-sample.ts';
+import type { SplatSample } from './samples.ts';
 import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats fainter than this, or than half of them in a faint scene, tell nothing. */

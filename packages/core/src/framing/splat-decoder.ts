@@ -1,8 +1,7 @@
 import { writeRotationMatrix } from '../data/math/rotation-matrix.ts';
 import { emptySplat, splatReader } from '../data/packing/unpack-geometry.ts';
 import { exp } from './portable-math.ts';
-import type { SampledSplats } from './sampled-splats.ts';
-import type { SplatSample } from './splat-sample.ts';
+import type { SampledSplats, SplatSample } from './samples.ts';
 
 /**
  * Transforms sampled splats to world space and drops fully transparent ones. The results are

@@ -13,12 +13,10 @@ import {
   type FramingOptions,
   framingWishes,
 } from './framing-wishes.ts';
-import { pickWords } from './pick-words.ts';
-import type { SampledSplats } from './sampled-splats.ts';
+import type { SampledSplats } from './samples.ts';
+import { MOST_SAMPLES, pickWords, shareSamples } from './samples.ts';
 import type { SceneFraming } from './scene-framing.ts';
-import { shareSamples } from './share-samples.ts';
 import { decodeSamples } from './splat-decoder.ts';
-import { MOST_SAMPLES } from './splat-sample.ts';
 
 const STRIDE = GEOMETRY_WORDS.f32;
 

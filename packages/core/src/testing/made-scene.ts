@@ -1,6 +1,6 @@
 import { type Quaternion, rotationMatrixOf } from '../data/editing/quaternion.ts';
 import { type Mat3, transform3, type Vec3 } from '../data/math/mat4.ts';
-import type { SplatSample } from '../framing/splat-sample.ts';
+import type { SplatSample } from '../framing/samples.ts';
 import { seededRandom } from './seeded-random.ts';
 
 interface MadeSplat {

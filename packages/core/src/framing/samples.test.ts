@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { type SampledCount, shareSamples } from './share-samples.ts';
+import { type SampledCount, shareSamples } from './samples.ts';
 
 /** Chosen places of each cloud, as text. */
 function places(clouds: readonly SampledCount[], most: number): string[][] {
