@@ -30,7 +30,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
 import type { EffectReference } from '../reference/effects/effect-reference.ts';
 import { type ReferenceFunction, referencesOf } from '../reference/effects/references.ts';
-import { unpackSplat } from '../reference/packing.ts';
+import { unpackedColumns } from '../stages/repack/repack.reference.ts';
 import { sortDeviceOf } from '../stages/sort/sort.ts';
 
 /** The frame whose stages are read back. */
@@ -248,15 +248,12 @@ function unpackedSet(
   stored: SplatSet<StoredHarmonics>,
   { geometry }: PackedCloud,
 ): SplatSet<StoredHarmonics> {
-  const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
-  const rotations = Float32Array.from(splats.flatMap(({ rotation }) => rotation));
+  const unpacked = unpackedColumns(geometry, stored.count);
+  const { motion } = stored;
   return {
     ...stored,
-    rotations,
-    ...(stored.motion && { motion: withTurnsOf(stored, stored.motion, rotations) }),
-    logScales: Float32Array.from(splats.flatMap(({ scale }) => scale.map(Math.log))),
-    opacityLogits: Float32Array.from(splats, ({ opacity }) => Math.log(opacity / (1 - opacity))),
-    colorDc: Float32Array.from(splats.flatMap(({ colorDc }) => colorDc)),
+    ...unpacked,
+    ...(motion && { motion: withTurnsOf(stored, motion, unpacked.rotations) }),
   };
 }
 

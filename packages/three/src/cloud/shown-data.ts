@@ -15,6 +15,17 @@ export function tellObjects(data: SplatData, error: unknown): void {
   if (!isTold) console.error(error);
 }
 
+/** Gives data the bounds that one of their clouds has now. */
+export function takeBounds({ bounds, robustBounds }: SplatData, cloud: SplatCloud): void {
+  for (const [own, { min, max }] of [
+    [bounds, cloud.bounds],
+    [robustBounds, cloud.robustBounds],
+  ] as const) {
+    own.min.fromArray(min);
+    own.max.fromArray(max);
+  }
+}
+
 /** Announces changes of data to the objects that show them, once for all changes of a task. */
 export class ChangeAnnouncer {
   readonly #data: SplatData;

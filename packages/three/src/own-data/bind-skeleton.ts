@@ -2,7 +2,7 @@ import { InvalidArgumentError, type PackedCloud, type SplatCloud, SplatSourceErr
 import { flushEdits, followSkin, type SkinWeights, SplatSkin } from '@websplatter/core/own-data';
 import { type Box3, Matrix4, type Skeleton, type Vector3 } from 'three/webgpu';
 import type { DataEdits } from '../cloud/data-edits.ts';
-import { ChangeAnnouncer, tellObjects } from '../cloud/shown-data.ts';
+import { ChangeAnnouncer, takeBounds, tellObjects } from '../cloud/shown-data.ts';
 import type { SplatCloudObject } from '../cloud/splat-cloud-object.ts';
 import type { SplatData } from '../cloud/splat-data.ts';
 
@@ -86,7 +86,7 @@ class SkinnedData implements DataEdits {
     this.#announcer = new ChangeAnnouncer(
       data,
       (clouds) => {
-        for (const cloud of clouds) this.#show(cloud);
+        for (const cloud of clouds) takeBounds(data, cloud);
       },
       false,
     );
@@ -160,13 +160,5 @@ class SkinnedData implements DataEdits {
     const snapped = isNear(IDENTITY) ? pose.map((_, at) => IDENTITY[at % 16]) : pose;
     if (snapped === pose && isNear(this.#skin.pose)) return;
     if (this.#skin.setPose(snapped)) this.#announcer.announce();
-  }
-
-  #show(cloud: SplatCloud): void {
-    const { bounds, robustBounds } = this.#data;
-    bounds.min.fromArray(cloud.bounds.min);
-    bounds.max.fromArray(cloud.bounds.max);
-    robustBounds.min.fromArray(cloud.robustBounds.min);
-    robustBounds.max.fromArray(cloud.robustBounds.max);
   }
 }

@@ -8,7 +8,7 @@ import {
 import { EDITED, flushEdits, followEdits, SplatEdits } from '@websplatter/core/own-data';
 import type { Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from '../cloud/data-edits.ts';
-import { ChangeAnnouncer, tellObjects } from '../cloud/shown-data.ts';
+import { ChangeAnnouncer, takeBounds, tellObjects } from '../cloud/shown-data.ts';
 import type { SplatData } from '../cloud/splat-data.ts';
 
 /**
@@ -40,7 +40,10 @@ class EditedData implements DataEdits {
   constructor(data: SplatData) {
     this.#data = data;
     this.#announcer = new ChangeAnnouncer(data, (clouds) => {
-      for (const cloud of clouds) this.#bound(cloud);
+      for (const cloud of clouds) {
+        flushEdits(cloud);
+        takeBounds(data, cloud);
+      }
     });
     this.edits = new SplatEdits(data.set ? rowsOf(data.set) : undefined);
     this.uneditedBounds = data.bounds.clone();
@@ -74,15 +77,6 @@ class EditedData implements DataEdits {
 
   move(row: number, center: Vector3): void {
     if (this.edits.maskOf(row) & EDITED.positions) center.fromArray(this.edits.valuesOf(row, 'positions'));
-  }
-
-  #bound(cloud: SplatCloud): void {
-    flushEdits(cloud);
-    const { bounds, robustBounds } = this.#data;
-    bounds.min.fromArray(cloud.bounds.min);
-    bounds.max.fromArray(cloud.bounds.max);
-    robustBounds.min.fromArray(cloud.robustBounds.min);
-    robustBounds.max.fromArray(cloud.robustBounds.max);
   }
 }
 

@@ -7,16 +7,19 @@ import { unpackSplat } from '../../reference/packing.ts';
  * the ranges of log scales that were found when they were loaded.
  */
 export function repackGeometry(set: SplatColumns, finer: PackedGeometry): PackedGeometry {
-  const splats = Array.from({ length: set.count }, (_, i) => unpackSplat(finer, i));
-  const values = {
-    ...set,
+  return packGeometry({ ...set, ...unpackedColumns(finer, set.count) }, 'packed', finer.chunks);
+}
+
+/** The columns of geometry, with the values that packing rounded them to. */
+export function unpackedColumns(geometry: PackedGeometry, count: number) {
+  const splats = Array.from({ length: count }, (_, i) => unpackSplat(geometry, i));
+  return {
     positions: Float32Array.from(splats.flatMap(({ position }) => position)),
     rotations: Float32Array.from(splats.flatMap(({ rotation }) => rotation)),
     logScales: Float32Array.from(splats.flatMap(({ scale }) => scale.map(Math.log))),
     opacityLogits: Float32Array.from(splats, ({ opacity }) => Math.log(opacity / (1 - opacity))),
     colorDc: Float32Array.from(splats.flatMap(({ colorDc }) => colorDc)),
   };
-  return packGeometry(values, 'packed', finer.chunks);
 }
 
 /** Reference of repack-sh: the host's own packer, which divides in float64. */
