@@ -34,9 +34,11 @@ const LATER: Readonly<Record<string, RegExp>> = {
   /** Modules that write the page's URL: needed from the start, without panels. */
   address:
     /\/viewer\/src\/(camera|state\/(accuracy-address|float32|orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(link\/(linked-start|place-link|page-address)|open\/placement))\b/,
+  /** Streamed scenes, frames and readers without a worker open files. */
+  sources: /\/core\/src\/io\/sources\//,
   /** Several panels need parts of these. */
   panels:
-    /\/kit\/src\/(?!split-accuracy|vertical-fov)|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/show\/(draw-at-rest|frame-of-view|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
+    /\/kit\/src\/(?!split-accuracy|vertical-fov)|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(edit-picture|show\/(draw-at-rest|frame-of-view|whole-frames))|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];

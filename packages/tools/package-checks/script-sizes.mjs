@@ -33,9 +33,18 @@ export function scriptSizes(folder, first, apart) {
   return { initial: bytesOf(initial), all: bytesOf(all) };
 }
 
-/** Keys of the manifest that the page reaches by following `next`. */
-function reached(manifest, next) {
-  const keys = new Set(['index.html']);
+/** Scripts of a built page that import themselves by way of others: one of them begins without the other's values. */
+export function scriptCircles(folder) {
+  const manifest = JSON.parse(readFileSync(join(folder, '.vite/manifest.json'), 'utf8'));
+  const importsOf = ({ imports = [] }) => imports;
+  return Object.keys(manifest)
+    .filter((key) => reached(manifest, importsOf, importsOf(manifest[key])).has(key))
+    .map((key) => manifest[key].file);
+}
+
+/** Keys of the manifest that are reached from `first` by following `next`. */
+function reached(manifest, next, first = ['index.html']) {
+  const keys = new Set(first);
   // Iterating a Set also visits keys that are added meanwhile.
   for (const key of keys) for (const each of next(manifest[key])) keys.add(each);
   return keys;

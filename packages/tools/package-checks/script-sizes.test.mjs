@@ -3,7 +3,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { afterAll, expect, test } from 'vitest';
-import { scriptSizes } from './script-sizes.mjs';
+import { scriptCircles, scriptSizes } from './script-sizes.mjs';
 
 const MANIFEST = {
   'index.html': { file: 'index.js', imports: ['_shared.js'], dynamicImports: ['panel.ts', 'cases.ts'] },
@@ -49,4 +49,15 @@ test('neither modules apart count, nor scripts that only those need', () => {
 test('a module that is no script of its own cannot be apart or fetched first', () => {
   expect(() => scriptSizes(folder, [], ['cases.tsx'])).toThrow('no script of its own for cases.tsx');
   expect(() => scriptSizes(folder, ['panel', 'pane'], [])).toThrow('no script of its own for pane');
+});
+
+test('scripts that import themselves by way of others are named', () => {
+  expect(scriptCircles(folder)).toEqual([]);
+  const circle = { ...MANIFEST, '_shared.js': { file: 'shared.js', imports: ['_panel-part.js'] } };
+  circle['_panel-part.js'] = { file: 'panel-part.js', imports: ['_shared.js'] };
+  const other = mkdtempSync(join(tmpdir(), 'websplatter-script-circles-'));
+  mkdirSync(join(other, '.vite'));
+  writeFileSync(join(other, '.vite/manifest.json'), JSON.stringify(circle));
+  expect(scriptCircles(other)).toEqual(['shared.js', 'panel-part.js']);
+  rmSync(other, { recursive: true });
 });
