@@ -34,7 +34,8 @@ interface DrawnCloud {
   readonly shape: CloudShape;
 }
 
-interface FeatureOf<Place> {
+/** @template Place what is asked: one cloud of a frame, or the whole frame. */
+export interface FeatureOf<Place> {
   /** Lower case with hyphens. */
   readonly name: string;
   readonly label: string;
@@ -42,10 +43,11 @@ interface FeatureOf<Place> {
   readonly about: string;
   /** Stages that it may take part in; none if it is not in any shader. */
   readonly stages: readonly string[];
-  /** Returns why it is on, or null if it is off. */
-  readonly calledFor: (place: Place) => string | null;
-  /** Returns why it is off; call only if it is. */
-  readonly offReason: (place: Place) => string;
+  readonly isOn: (place: Place) => boolean;
+  /** Why it is on; a function is called only if it is. */
+  readonly onReason: string | ((place: Place) => string);
+  /** Why it is off; a function is called only if it is. */
+  readonly offReason: string | ((place: Place) => string);
   /** Bytes of GPU memory held for it; default none. */
   readonly bytes?: (frame: DrawnFrame) => number;
 }
@@ -74,10 +76,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'View-dependent colour',
     about: 'Evaluates spherical harmonics up to the highest visible degree.',
     stages: ['project'],
-    calledFor: (cloud) =>
-      cloud.shape.shDegree > 0
-        ? `colours depend on the viewing direction: ${degreeLimit(cloud)}${isPalette(cloud) ? ', as a palette' : ''}`
-        : null,
+    isOn: ({ shape }) => shape.shDegree > 0,
+    onReason: (cloud) =>
+      `colours depend on the viewing direction: ${degreeLimit(cloud)}${isPalette(cloud) ? ', as a palette' : ''}`,
     offReason: degreeLimit,
     // Includes stored bands that are not evaluated.
     bytes: ({ plan }) => {
@@ -91,9 +92,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Motion',
     about: 'Moves, turns and fades the splats of a scene that changes with the time.',
     stages: ['cull-chunks', 'cull-splats', 'project'],
-    calledFor: ({ cloud: { instance, uses } }) =>
-      instance.cloud.timeRange ? (uses[0]?.use.reason ?? null) : null,
-    offReason: () => 'the splats stand still',
+    isOn: (cloud) => motionOf(cloud) !== null,
+    onReason: (cloud) => motionOf(cloud)!,
+    offReason: 'the splats stand still',
     bytes: ({ plan }) => {
       const pages = new Set(plan.shape.clouds.flatMap(({ planes }) => planes.pages));
       return [...pages].reduce(
@@ -108,7 +109,8 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Round splats',
     about: 'Ignores rotations if all splats are spheres.',
     stages: ['cull-splats', 'project'],
-    calledFor: ({ shape }) => (shape.isIsotropic ? 'all splats are spheres' : null),
+    isOn: ({ shape }) => shape.isIsotropic,
+    onReason: 'all splats are spheres',
     offReason: ({ shape }) =>
       shape.cloud.facts.isIsotropic
         ? 'splats are round, but an effect may change their shapes'
@@ -135,10 +137,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
       'tile-rest',
       'rasterize',
     ],
-    calledFor: ({ plan: { detail, request }, shape }) => {
-      if (!shape.levels) return null;
-      if (detail === 'full')
-        return shape.cloud.pool ? 'merged splats stand for missing parts of the scene' : null;
+    isOn: ({ plan, shape }) => shape.levels !== null && (plan.detail !== 'full' || shape.cloud.pool !== null),
+    onReason: ({ plan: { detail, request } }) => {
+      if (detail === 'full') return 'merged splats stand for missing parts of the scene';
       const { maxErrorPx, maxSplats, maxShare } = detail;
       const limits = [
         ...(maxErrorPx === undefined ? [] : [`errors up to ${maxErrorPx} px are allowed`]),
@@ -158,11 +159,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Placement',
     about: 'Places a cloud in the world, on the CPU: shaders always take one matrix.',
     stages: [],
-    calledFor: ({ cloud }) => {
-      const { modelMatrix, instances } = cloud.instance;
-      return instances ? 'its instances have a place each' : modelMatrix ? placementOf(modelMatrix) : null;
-    },
-    offReason: () => 'it stands where its file puts it',
+    isOn: (cloud) => placementOf(cloud) !== null,
+    onReason: (cloud) => placementOf(cloud)!,
+    offReason: 'it stands where its file puts it',
   },
   {
     of: 'cloud',
@@ -170,9 +169,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Instances',
     about: 'Draws a cloud in many places at once.',
     stages: ['cut-count', 'cull-chunks', 'cut-splats', 'cull-splats', 'project', 'wide-keys'],
-    calledFor: ({ shape: { instanceCount } }) =>
-      instanceCount === null ? null : `it is drawn in ${instanceCount.toLocaleString('en')} places`,
-    offReason: () => 'every cloud is shown once',
+    isOn: ({ shape }) => shape.instanceCount !== null,
+    onReason: ({ shape }) => `it is drawn in ${shape.instanceCount!.toLocaleString('en')} places`,
+    offReason: 'every cloud is shown once',
   },
   {
     of: 'view',
@@ -180,8 +179,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Orthographic view',
     about: 'Projects splats without perspective: all share one Jacobian.',
     stages: ['cull-splats', 'project', 'rasterize', 'tile-rasterize', 'tile-rest', 'compose'],
-    calledFor: ({ plan }) => (plan.shape.isOrthographic ? 'the camera has no perspective' : null),
-    offReason: () => 'the camera has perspective',
+    isOn: ({ plan }) => plan.shape.isOrthographic,
+    onReason: 'the camera has no perspective',
+    offReason: 'the camera has perspective',
   },
   {
     // A frame has one order; the feature is on for clouds that ask for distances.
@@ -190,11 +190,10 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Order of distances',
     about: 'Sorts splats by their distances from the camera, not by their depths.',
     stages: ['cull-splats', 'project', 'wide-keys'],
-    calledFor: ({ plan, shape: { cloud } }) => {
-      if (!plan.shape.sortsByDistance) return null;
-      if (plan.request.sortBy === 'distance') return 'the request asks for it';
-      return cloud.facts.fileFacts?.isSortedByDistance ? 'its file asks for it' : null;
-    },
+    isOn: ({ plan, shape: { cloud } }) =>
+      plan.shape.sortsByDistance &&
+      (plan.request.sortBy === 'distance' || cloud.facts.fileFacts?.isSortedByDistance === true),
+    onReason: ({ plan }) => `${plan.request.sortBy === 'distance' ? 'the request' : 'its file'} asks for it`,
     offReason: ({ plan }) => {
       if (plan.shape.isOrthographic) return 'the camera has no perspective';
       return plan.request.sortBy === 'depth' ? 'the request asks for depths' : 'no file asks for it';
@@ -206,11 +205,10 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Hidden by meshes',
     about: 'Tests splats against the depth of meshes drawn before.',
     stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'tile-rest', 'compose'],
-    calledFor: ({ plan }) =>
-      plan.shape.depth?.isTested
-        ? `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'projected'}`
-        : null,
-    offReason: () => 'nothing was drawn that could hide splats',
+    isOn: ({ plan }) => plan.shape.depth?.isTested === true,
+    onReason: ({ plan }) =>
+      `something may hide splats; its depth is ${plan.shape.depth!.mapping === 'logarithmic' ? 'logarithmic' : 'projected'}`,
+    offReason: 'nothing was drawn that could hide splats',
     bytes: ({ held }) => held.testedDepthBytes,
   },
   {
@@ -219,9 +217,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Depth of splats',
     about: 'Writes the depth of splats, for what the host draws later.',
     stages: ['rasterize', 'tile-rasterize', 'upscale', 'compose'],
-    calledFor: ({ plan: { shape } }) =>
-      shape.depth?.layerFormat ? `the host needs it, in ${shape.depth.layerFormat}` : null,
-    offReason: () => 'no host needs it',
+    isOn: ({ plan }) => plan.shape.depth?.layerFormat != null,
+    onReason: ({ plan }) => `the host needs it, in ${plan.shape.depth!.layerFormat}`,
+    offReason: 'no host needs it',
     bytes: ({ held }) => held.writtenDepthBytes,
   },
   {
@@ -230,9 +228,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Fade',
     about: 'Blends the finished splats over the host’s image in part.',
     stages: ['compose'],
-    calledFor: ({ plan: { request, shape } }) =>
-      shape.isFaded ? `the host asks for ${percentText(request.fade!)} of the splats’ picture` : null,
-    offReason: () => 'no host asks for it',
+    isOn: ({ plan }) => plan.shape.isFaded,
+    onReason: ({ plan }) => `the host asks for ${percentText(plan.request.fade!)} of the splats’ picture`,
+    offReason: 'no host asks for it',
   },
   {
     of: 'view',
@@ -240,15 +238,12 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Lower resolution',
     about: 'Blends splats in fewer pixels than the image has, and enlarges them smoothly.',
     stages: ['resolve-depth', 'upscale'],
-    calledFor: ({ plan: { movingScale, request, shape } }) => {
-      if (movingScale < 1)
-        return [`something moves, and all pixels would take too long`, ...aimsOf(request.detail)].join(', ');
-      const { resolutionScale } = shape.accuracy;
-      return resolutionScale < 1
-        ? `the accuracy asks for ${percentText(resolutionScale)} of the width and height`
-        : null;
-    },
-    offReason: () => 'the accuracy asks for all pixels',
+    isOn: ({ plan }) => plan.movingScale < 1 || plan.shape.accuracy.resolutionScale < 1,
+    onReason: ({ plan: { movingScale, request, shape } }) =>
+      movingScale < 1
+        ? ['something moves, and all pixels would take too long', ...aimsOf(request.detail)].join(', ')
+        : `the accuracy asks for ${percentText(shape.accuracy.resolutionScale)} of the width and height`,
+    offReason: 'the accuracy asks for all pixels',
   },
   {
     of: 'view',
@@ -264,11 +259,17 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
       'tile-rasterize',
       'tile-rest',
     ],
-    calledFor: ({ plan, rasterizer }) => (plan.shape.rasterizer === 'tiles' ? rasterizer.reason : null),
+    isOn: ({ plan }) => plan.shape.rasterizer === 'tiles',
+    onReason: ({ rasterizer }) => rasterizer.reason,
     offReason: ({ rasterizer }) => rasterizer.reason,
     bytes: ({ held }) => held.tilesBytes,
   },
 ];
+
+/** Why a cloud moves; null if it does not. */
+function motionOf({ cloud: { instance, uses } }: DrawnCloud): string | null {
+  return instance.cloud.timeRange ? (uses[0]?.use.reason ?? null) : null;
+}
 
 function isPalette({ shape }: DrawnCloud): boolean {
   return shape.planes.shPrecision === 'palette';
@@ -310,8 +311,11 @@ function aimsOf(asked: Detail = 'full'): string[] {
 /** Lengths and angles that differ by less count as the same. */
 const TOLERANCE = 1e-6;
 
-/** Says how a matrix places a cloud; null for the identity. */
-function placementOf(matrix: ArrayLike<number>): string | null {
+/** Says how a cloud is placed; null for the identity. */
+function placementOf({ cloud: { instance } }: DrawnCloud): string | null {
+  const { instances, modelMatrix: matrix } = instance;
+  if (instances) return 'its instances have a place each';
+  if (!matrix) return null;
   const m = linearPart(matrix);
   if (!scalesEvenly(m, TOLERANCE)) return 'it is stretched or sheared';
   const square = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];

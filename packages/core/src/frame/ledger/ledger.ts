@@ -1,7 +1,7 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { EFFECT_LIST, isSameEffect, type ListedEffect, placeInList } from '../../gpu/effects/effect-list.ts';
 import { parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
-import type { AutomaticFeature, DrawnFrame } from './automatic-features.ts';
+import type { AutomaticFeature, DrawnFrame, FeatureOf } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 /** State of one effect in a frame. */
@@ -45,9 +45,8 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
   const { name, label, about, stages } = feature;
   const bytes = feature.bytes?.(frame) ?? 0;
   if (feature.of === 'view') {
-    const on = feature.calledFor(frame);
-    const reason = on ?? feature.offReason(frame);
-    return { name, label, about, isOn: on !== null, reason, clouds: [], stages, bytes };
+    const isOn = feature.isOn(frame);
+    return { name, label, about, isOn, reason: reasonOf(feature, frame), clouds: [], stages, bytes };
   }
   const { plan } = frame;
   const on: Finding[] = [];
@@ -55,13 +54,16 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
   for (const [index, cloudPlan] of plan.clouds.entries()) {
     const place = { plan, index, cloud: cloudPlan, shape: plan.shape.clouds[index] };
     const cloud = cloudPlan.instance.cloud.name;
-    const reason = feature.calledFor(place);
-    if (reason !== null) on.push({ cloud, reason });
-    else off.push({ cloud, reason: feature.offReason(place) });
+    (feature.isOn(place) ? on : off).push({ cloud, reason: reasonOf(feature, place) });
   }
   const isOn = on.length > 0;
   const reason = together(isOn ? on : off);
   return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
+}
+
+function reasonOf<Place>({ isOn, onReason, offReason }: FeatureOf<Place>, place: Place): string {
+  const reason = isOn(place) ? onReason : offReason;
+  return typeof reason === 'string' ? reason : reason(place);
 }
 
 function callersEntry(effect: ListedEffect, { plan, held }: DrawnFrame): EffectEntry {
