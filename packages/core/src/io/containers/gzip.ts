@@ -30,7 +30,7 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
     name,
     totalBytes: undefined,
     totalBytesCertain: false,
-    isHeld: false,
+    isLocal: false,
     packed,
     fileNames: packed.fileNames?.map((each) => each.replace(/\.gz$/i, '')),
     reader: new ByteReader({ name, stream }, signal, maxBytes),

@@ -235,11 +235,11 @@ export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, na
   }
   const packed = bytes.subarray(start, end);
   const opened = { name, totalBytes: unpackedBytes, totalBytesCertain: true };
-  if (method === DEFLATED) return { ...opened, isHeld: false, stream: inflatedStream(packed, entry, name) };
+  if (method === DEFLATED) return { ...opened, isLocal: false, stream: inflatedStream(packed, entry, name) };
   const pieces = () => checkedPieces(packed, entry, name);
   return {
     ...opened,
-    isHeld: true,
+    isLocal: true,
     stream: streamOf(pieces),
     unchecked: {
       bytes: packed,

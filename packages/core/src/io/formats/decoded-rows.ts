@@ -188,7 +188,7 @@ async function collectRows(
     widePositions: false,
     origin,
     promisedCount: count,
-    isHeld: true,
+    isLocal: true,
     isAntialiased,
     fileFacts,
     onPiece,

@@ -22,7 +22,7 @@ async function readInput(about: Partial<SplatInput> = {}): Promise<SplatInput> {
   const reader = new ByteReader({ name, stream: new Blob([new Uint8Array(100)]).stream() });
   await reader.fill(100);
   reader.advance(100);
-  return { name, totalBytes: undefined, totalBytesCertain: false, isHeld: false, reader, ...about };
+  return { name, totalBytes: undefined, totalBytesCertain: false, isLocal: false, reader, ...about };
 }
 
 /** Time enough for another report passes before each call. */

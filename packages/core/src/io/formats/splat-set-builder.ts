@@ -46,7 +46,7 @@ export interface SplatSetBuilderOptions {
   /** Most rows that will be pushed. */
   readonly promisedCount: number;
   /** Whether all rows are present already, so that memory for them can be allocated at once. */
-  readonly isHeld: boolean;
+  readonly isLocal: boolean;
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
@@ -103,8 +103,8 @@ export class SplatSetBuilder {
       fileIndices: new Uint32Array(0),
     };
     for (const { name } of this.#optional) this.#columns[name] = new Float32Array(0);
-    const { promisedCount, isHeld, onPiece } = options;
-    const mostAtFirst = onPiece ? 2 * PIECE_SPLATS : isHeld ? promisedCount : FIRST_CAPACITY;
+    const { promisedCount, isLocal, onPiece } = options;
+    const mostAtFirst = onPiece ? 2 * PIECE_SPLATS : isLocal ? promisedCount : FIRST_CAPACITY;
     this.#setCapacity(Math.min(mostAtFirst, promisedCount));
   }
 

@@ -24,21 +24,21 @@ export async function openSource(
     case 'stream': {
       const { stream } = source;
       if (stream.locked) throw lockedStreamError(name);
-      return { name, totalBytes: undefined, totalBytesCertain: false, isHeld: false, stream };
+      return { name, totalBytes: undefined, totalBytesCertain: false, isLocal: false, stream };
     }
     case 'blob':
       return openBlob(source.blob, name);
     case 'bytes': {
       const bytes = bytesOf(source.bytes);
-      const held = { totalBytes: bytes.length, totalBytesCertain: true, isHeld: true };
-      return { name, ...held, stream: streamOfBytes(bytes) };
+      const local = { totalBytes: bytes.length, totalBytesCertain: true, isLocal: true };
+      return { name, ...local, stream: streamOfBytes(bytes) };
     }
   }
 }
 
 export function openBlob(blob: Blob, name: string): OpenedSource {
   const reopen = () => blob.stream();
-  return { name, totalBytes: blob.size, totalBytesCertain: true, isHeld: true, stream: reopen(), reopen };
+  return { name, totalBytes: blob.size, totalBytesCertain: true, isLocal: true, stream: reopen(), reopen };
 }
 
 export function streamOfBytes(bytes: Uint8Array): ReadableStream<Uint8Array> {

@@ -90,7 +90,7 @@ export class Transfer {
       totalBytes,
       totalBytesCertain,
       // The browser already has the bytes of a blob: URL.
-      isHeld: !this.isRemote && totalBytesCertain && totalBytes !== undefined,
+      isLocal: !this.isRemote && totalBytesCertain && totalBytes !== undefined,
       sentBytes: lengthOf(headers),
       stream: bodyOf(response),
       idleTimeoutMs: this.#request.idleTimeoutMs,

@@ -64,7 +64,7 @@ function memoryFor(byteCount: number, { name }: ByteReader): Uint8Array<ArrayBuf
  * @param onArrived called repeatedly while they arrive.
  */
 export async function readExactly(
-  { name, reader, totalBytes, totalBytesCertain, isHeld }: SplatInput,
+  { name, reader, totalBytes, totalBytesCertain, isLocal }: SplatInput,
   byteCount: number,
   what: string,
   onArrived?: () => void,
@@ -78,7 +78,7 @@ export async function readExactly(
   const bytes = await readAll(
     reader,
     byteCount,
-    isHeld && leftBytes !== undefined ? byteCount : 0,
+    isLocal && leftBytes !== undefined ? byteCount : 0,
     onArrived,
   );
   return bytes.length < byteCount ? fail(bytes.length) : bytes;

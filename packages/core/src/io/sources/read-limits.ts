@@ -12,10 +12,10 @@ const HARMLESS_BYTES = 2 ** 26;
 /** Returns the limits for reading `opened`. */
 export function limitsOf(
   { maxBytes, maxSplats = DEFAULT_MAX_SPLATS }: ReadLimits,
-  { isHeld, sentBytes }: Pick<OpenedSource, 'isHeld' | 'sentBytes'>,
+  { isLocal, sentBytes }: Pick<OpenedSource, 'isLocal' | 'sentBytes'>,
 ): Required<ReadLimits> {
   const fromServer = Math.max(HARMLESS_BYTES, MOST_UNPACKED * (sentBytes ?? Number.POSITIVE_INFINITY));
-  const usual = isHeld ? Number.POSITIVE_INFINITY : Math.min(DEFAULT_MAX_BYTES, fromServer);
+  const usual = isLocal ? Number.POSITIVE_INFINITY : Math.min(DEFAULT_MAX_BYTES, fromServer);
   return { maxBytes: maxBytes ?? usual, maxSplats };
 }
 

@@ -53,8 +53,8 @@ export async function readOpenedPart(
 ): Promise<Uint8Array<ArrayBuffer>> {
   const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
   try {
-    const { isHeld, totalBytes } = opened;
-    return await readAll(reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0, begin(totalBytes));
+    const { isLocal, totalBytes } = opened;
+    return await readAll(reader, Number.POSITIVE_INFINITY, isLocal ? totalBytes : 0, begin(totalBytes));
   } finally {
     reader.close();
   }

@@ -129,8 +129,8 @@ export interface OpenedSource {
    * The size is then good for a progress bar only.
    */
   readonly totalBytesCertain: boolean;
-  /** Whether all bytes are present, so that memory for all can be allocated at once. */
-  readonly isHeld: boolean;
+  /** Whether nothing is waited for (bytes, File, Blob), so that memory for all is allocated at once. */
+  readonly isLocal: boolean;
   /** Content-Length of the response, perhaps of compressed bytes; undefined if not stated. */
   readonly sentBytes?: number;
   readonly stream: ReadableStream<Uint8Array>;

@@ -72,7 +72,7 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
   const headerBytes = headerBytesOf(readFrameCount(head, file));
   const header = readHeader(await ranges.read(0, headerBytes, signal), file);
   const { entries, framesPerS, isAntialiased } = header;
-  const { maxSplats } = limitsOf(options, { isHeld: !ranges.remote });
+  const { maxSplats } = limitsOf(options, { isLocal: !ranges.remote });
   for (const entry of entries) {
     checkCount(entry.splatCount, file, maxSplats);
     checkUnpacked(entry, file, unpackedLimit(options, ranges));

@@ -135,7 +135,7 @@ export class GltfBuffers {
     const name = `${this.#input.name}, ${user}`;
     const reader = new ByteReader({ name, stream: streamOfBytes(bytes) }, this.#options.signal);
     try {
-      const size = { totalBytes: bytes.length, totalBytesCertain: true, isHeld: true };
+      const size = { totalBytes: bytes.length, totalBytesCertain: true, isLocal: true };
       return await read({ name, ...size, reader }, this.#options);
     } finally {
       reader.close();

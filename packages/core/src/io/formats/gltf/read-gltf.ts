@@ -48,9 +48,9 @@ const INSTANCED_NOTE =
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
-  const { reader, name, isHeld, totalBytes } = input;
+  const { reader, name, isLocal, totalBytes } = input;
   const progress = new ReadProgress(input, options.onProgress);
-  const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0, progress.arrived);
+  const bytes = await readAll(reader, undefined, isLocal ? totalBytes : 0, progress.arrived);
   const isBinary = isGlb(bytes);
   const chunks = isBinary ? unpackGlb(bytes, name) : { json: bytes };
   const json = new GltfJson(chunks.json, name);

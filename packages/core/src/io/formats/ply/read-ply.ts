@@ -191,7 +191,7 @@ export async function readPlyWith(
     ),
     promisedCount: vertex.count,
     // Bytes promised by a server or a header may never arrive.
-    isHeld: input.isHeld,
+    isLocal: input.isLocal,
     isAntialiased,
     fileFacts,
     optional: isMoving ? ['motion'] : [],
@@ -210,8 +210,8 @@ export async function readPlyWith(
 }
 
 /** Waits briefly for all splats. Returns whether they are too slow, so that partial scenes are shown. */
-async function isSlow({ reader, isHeld }: SplatInput, splatBytes: number): Promise<boolean> {
-  if (isHeld) return false;
+async function isSlow({ reader, isLocal }: SplatInput, splatBytes: number): Promise<boolean> {
+  if (isLocal) return false;
   const endMs = performance.now() + SOON_MS;
   while (reader.available < splatBytes) {
     if (performance.now() >= endMs) return true;

@@ -40,7 +40,7 @@ export const read: ReadFormat = async (input, options) => {
     ...{ file, shDegree, shPrecision, onPiece, fileFacts: { format: 'rad' } },
     widePositions: false,
     promisedCount: count,
-    isHeld: false,
+    isLocal: false,
   });
   const leaves = new FinestReader(header, builder, file, maxSplats, async () => {
     progress.report(builder.count);

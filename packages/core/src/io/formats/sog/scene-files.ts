@@ -44,8 +44,8 @@ export async function readOpened(
 ): Promise<Uint8Array<ArrayBuffer>> {
   const reader = new ByteReader(opened, signal, limitsOf({ maxBytes }, opened).maxBytes);
   try {
-    const { isHeld, totalBytes } = opened;
-    return await readAll(reader, most, isHeld ? Math.min(most, totalBytes ?? 0) : 0, onBytes);
+    const { isLocal, totalBytes } = opened;
+    return await readAll(reader, most, isLocal ? Math.min(most, totalBytes ?? 0) : 0, onBytes);
   } finally {
     reader.close();
   }

@@ -52,7 +52,7 @@ const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const progress = new ReadProgress(input, options.onProgress);
-  const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;
+  const { name: file, reader, totalBytes, totalBytesCertain, isLocal } = input;
   const countOf = (byteCount: number) => {
     checkCount(Math.ceil(byteCount / ROW_BYTES), file, options.maxSplats);
     if (byteCount % ROW_BYTES === 0) return byteCount / ROW_BYTES;
@@ -86,7 +86,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const bytes = await readAll(
     reader,
     mostBytes,
-    isHeld && knownCount !== undefined ? totalBytes : 0,
+    isLocal && knownCount !== undefined ? totalBytes : 0,
     progress.arrived,
   );
   return deliver(countOf(bytes.length), bytes, { bytes, start: 0 });

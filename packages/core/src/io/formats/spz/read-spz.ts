@@ -214,12 +214,12 @@ async function readTable(reader: ByteReader, streamCount: number, file: string):
  * Rejects with SplatFileError 'truncated'.
  */
 async function readBytes(
-  { reader, name, isHeld, totalBytes = 0 }: SplatInput,
+  { reader, name, isLocal, totalBytes = 0 }: SplatInput,
   byteCount: number,
   what: string,
   onArrived: (() => void) | undefined,
 ): Promise<Uint8Array> {
-  const heldBytes = isHeld ? Math.max(0, totalBytes - reader.byteOffset) : 0;
+  const heldBytes = isLocal ? Math.max(0, totalBytes - reader.byteOffset) : 0;
   const bytes = await readAll(reader, byteCount, Math.min(byteCount, heldBytes), onArrived);
   if (bytes.length < byteCount) throw truncated(name, what, reader);
   return bytes;

@@ -29,12 +29,12 @@ export async function read(
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
-  const { name, isHeld, totalBytes } = input;
+  const { name, isLocal, totalBytes } = input;
   const progress = new ReadProgress(input, options.onProgress);
   const bytes = await readAll(
     input.reader,
     Number.POSITIVE_INFINITY,
-    isHeld ? totalBytes : 0,
+    isLocal ? totalBytes : 0,
     progress.arrived,
   );
   const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
