@@ -1,6 +1,7 @@
 import { GpuLimitError } from '../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { Chunk } from '../../data/layout/structs.ts';
+import { callListener } from '../../data/listeners.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
@@ -8,8 +9,8 @@ import { nextTask } from '../../data/turns.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
 import { ingestGather } from '../../stages/gather/gather.ts';
 import { CloudPlanes, type MadePlanes, type Plane } from '../cloud-planes.ts';
+import { type CloudContents, SplatCloud } from '../splat-cloud.ts';
 import type { DispatchContext } from './dispatches.ts';
-import type { LoadPreviews } from './load-previews.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
 
@@ -39,11 +40,15 @@ const PAUSE_MS = 250;
  */
 const MOST_VISIBLE = 3 << 18;
 
-/** Shows previews of the arrived rows of a file. */
+/** The previews of one load, one at a time: of the arrived rows of a file, at last of the whole cloud. */
 export class Arrivals {
   readonly #context: DispatchContext;
   readonly #planes: ArrivingPlanes;
-  readonly #previews: LoadPreviews;
+  readonly #name: string;
+  readonly #onPreview: (preview: SplatCloud) => void;
+  /** The current preview; null before the first. */
+  #shown: SplatCloud | null = null;
+  #release = () => {};
   /** Submitted rows. */
   #rows = 0;
   #leastRows = 1;
@@ -53,37 +58,70 @@ export class Arrivals {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #failure: { readonly error: unknown } | null = null;
 
-  constructor(context: DispatchContext, planes: ArrivingPlanes, previews: LoadPreviews) {
+  constructor(
+    context: DispatchContext,
+    planes: ArrivingPlanes,
+    name: string,
+    onPreview: (preview: SplatCloud) => void,
+  ) {
     this.#context = context;
     this.#planes = planes;
-    this.#previews = previews;
+    this.#name = name;
+    this.#onPreview = onPreview;
   }
 
   /** Reports that the first `rows` rows have been submitted. @throws errors of earlier previews. */
   add(rows: number): void {
     this.#rows = rows;
-    this.check();
-    this.#show();
+    this.#check();
+    this.#next();
   }
 
-  /** Ends the previews. */
+  /** Shows no more arrived rows. @throws errors of earlier previews. */
+  stop(): void {
+    this.#isOver = true;
+    clearTimeout(this.#timer);
+    this.#check();
+  }
+
+  /** Makes frames keep their image until the next preview. */
+  hold(): void {
+    const next = new Promise<void>((resolve) => {
+      this.#release = resolve;
+    });
+    this.#shown?.holdImage(next);
+  }
+
+  /** Replaces the preview, at last by one of the whole cloud. The caller keeps ownership of the planes. */
+  show(planes: CloudPlanes, contents: CloudContents, visibleLimit?: number): SplatCloud {
+    const before = this.#shown;
+    const options = { name: this.#name, isPreview: true, visibleLimit };
+    this.#shown = new SplatCloud(this.#context.device, planes, contents, options);
+    callListener(this.#onPreview, this.#shown);
+    before?.destroy();
+    this.#release();
+    return this.#shown;
+  }
+
+  /** Ends the previews, the current one too. */
   end(): void {
     this.#isOver = true;
     clearTimeout(this.#timer);
+    this.#shown?.destroy();
+    this.#release();
   }
 
-  /** @throws errors of earlier previews. */
-  check(): void {
+  #check(): void {
     if (this.#failure) throw this.#failure.error;
   }
 
   /** Shows a preview now, or after the pause: the next rows may take long to arrive. */
-  #show(): void {
+  #next(): void {
     if (this.#isReading || this.#isOver || this.#failure || this.#rows < this.#leastRows) return;
     clearTimeout(this.#timer);
     const waitMs = this.#earliestMs - performance.now();
     if (waitMs > 0) {
-      this.#timer = setTimeout(() => this.#show(), waitMs);
+      this.#timer = setTimeout(() => this.#next(), waitMs);
       return;
     }
     this.#isReading = true;
@@ -94,7 +132,7 @@ export class Arrivals {
       })
       .finally(() => {
         this.#isReading = false;
-        this.#show();
+        this.#next();
       });
   }
 
@@ -148,7 +186,7 @@ export class Arrivals {
       precision: { geometryPrecision, shPrecision },
     };
     const shown = new CloudPlanes(this.#context.memory, 'arrived', planes);
-    this.#previews.show(shown, contents, MOST_VISIBLE);
+    this.show(shown, contents, MOST_VISIBLE);
   }
 
   #copyChunks({ ranges, chunks }: Pick<MadePlanes, 'ranges' | 'chunks'>): void {

@@ -34,7 +34,6 @@ import { type CloudContents, MEMORY_ADVICE, type SplatCloud } from '../splat-clo
 import { arrangePlanes, arrangeStages, isRoomy } from './arrange-planes.ts';
 import { Arrivals } from './arrivals.ts';
 import { type DispatchContext, Dispatches } from './dispatches.ts';
-import { LoadPreviews } from './load-previews.ts';
 import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres, samplePositions } from './sample-centres.ts';
@@ -92,8 +91,6 @@ interface Held {
   readonly rows: GPUBuffer;
   /** Null if rows have harmonics of their own. */
   readonly palette: GPUBuffer | null;
-  /** Null without `onPreview`. */
-  readonly arrivals: Arrivals | null;
 }
 
 /** Statistics of all rows, after the last has arrived. */
@@ -122,7 +119,7 @@ export class RowIngest implements RowSink {
   #options: RowIngestOptions & RowPrecision;
   #fit: CloudFit | null = null;
   /** Null without `onPreview`. */
-  readonly #previews: LoadPreviews | null;
+  #arrivals: Arrivals | null = null;
   readonly #staging: GPUBuffer[] = [];
   /** Staging buffers that are mapped or being mapped. */
   readonly #free: Promise<GPUBuffer>[] = [];
@@ -144,8 +141,6 @@ export class RowIngest implements RowSink {
   constructor(context: DispatchContext, options: RowIngestOptions) {
     this.#context = context;
     this.#options = asRows(options);
-    const { name, onPreview } = options;
-    this.#previews = onPreview ? new LoadPreviews(context.device, name, onPreview) : null;
   }
 
   /** @throws GpuLimitError; the signal's reason; DestroyedError. Nothing is left allocated then. */
@@ -153,7 +148,7 @@ export class RowIngest implements RowSink {
     const layout = await this.#fitted(rows);
     this.#live();
     const { device, memory, pipelines } = this.#context;
-    const { geometryPrecision, shPrecision, name } = this.#options;
+    const { geometryPrecision, shPrecision, name, onPreview } = this.#options;
     const { count, shDegree, strideBytes, pieceRows, palette, byteHarmonics } = layout;
     const precision = { geometryPrecision, shPrecision };
     const entryValues = palette?.entryValues;
@@ -179,14 +174,13 @@ export class RowIngest implements RowSink {
         const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
         const chunks = create('chunks', Chunk.bytes * chunkCountOf(count), COPY_SRC);
         const paletteBytes = 4 * paletteValues(layout);
-        let arrivals: Arrivals | null = null;
-        if (this.#previews) {
+        if (onPreview) {
           const shown = planeOf(place, ({ start, end }, page) =>
             create(`arrived chunks ${page}`, Chunk.bytes * chunkCountOf(end - start), COPY_DST),
           );
           const shared = { geometry, harmonics, facts, chunks: shown, arrivedChunks: chunks };
           const planes = { ...precision, shDegree, ranges, ...shared, origin: layout.origin ?? NOT_MOVED };
-          arrivals = new Arrivals(this.#context, planes, this.#previews);
+          this.#arrivals = new Arrivals(this.#context, planes, name, onPreview);
         }
         this.#held = {
           layout,
@@ -201,7 +195,6 @@ export class RowIngest implements RowSink {
           // A value between two words is read from both.
           rows: create('rows', pieceBytes + 4, COPY_DST),
           palette: paletteBytes > 0 ? create('palette', paletteBytes, COPY_DST) : null,
-          arrivals,
         };
         // Mapped at creation, because mapping later may wait for the GPU process to compile
         // shaders.
@@ -288,21 +281,20 @@ export class RowIngest implements RowSink {
   async finish(): Promise<IngestedCloud> {
     const { device, memory, pipelines } = this.#context;
     const { name } = this.#options;
-    const previews = this.#previews;
+    const arrivals = this.#arrivals;
     const arranged: GPUBuffer[] = [];
     try {
       await this.#compiled;
       await Promise.all(this.#checks);
-      const { rows, palette, arrivals } = this.#live();
+      const { rows, palette } = this.#live();
       for (const buffer of [...this.#staging, rows, palette]) if (buffer) this.#destroy(buffer);
       await pipelines.prepare(lateStages(this.#options));
       this.#live();
       const found = await this.#readFacts();
-      arrivals?.end();
-      arrivals?.check();
+      arrivals?.stop();
       const hasRoom = await this.#hasRoomFor(found);
       this.#live();
-      previews?.hold();
+      arrivals?.hold();
       const { result, checked } = this.#allocate(() => {
         const { planes, contents, fileRows } = this.#arrange(found, hasRoom, arranged);
         const reading = [
@@ -318,13 +310,13 @@ export class RowIngest implements RowSink {
       const drawable = { ...contents, ...(await reading[0]) };
       this.#live();
       const planes = new CloudPlanes(memory, name, result.planes);
-      previews?.show(planes, drawable);
+      const preview = arrivals?.show(planes, drawable) ?? null;
       const whole = { ...drawable, fileIndices: await reading[1] };
       // Copying millions of rows fills one task, so other work goes first.
       await nextTask();
-      return { contents: whole, planes, preview: previews?.shown ?? null, fit: this.#fit };
+      return { contents: whole, planes, preview, fit: this.#fit };
     } catch (error) {
-      previews?.end();
+      arrivals?.end();
       for (const buffer of arranged) memory.destroy(buffer);
       throw error;
     } finally {
@@ -335,7 +327,7 @@ export class RowIngest implements RowSink {
   /** Frees everything, and ends the previews. */
   destroy(): void {
     this.#isDestroyed = true;
-    this.#previews?.end();
+    this.#arrivals?.end();
     this.#freeBuffers();
   }
 
@@ -353,7 +345,6 @@ export class RowIngest implements RowSink {
   }
 
   #freeBuffers(): void {
-    this.#held?.arrivals?.end();
     for (const buffer of [...this.#buffers]) this.#destroy(buffer);
     this.#held = null;
   }
@@ -415,7 +406,7 @@ export class RowIngest implements RowSink {
   }
 
   #submit({ staging, firstRow, rowCount }: Piece): void {
-    const { stage, ranges, layout, geometry, harmonics, arrivals, ...shared } = this.#held!;
+    const { stage, ranges, layout, geometry, harmonics, ...shared } = this.#held!;
     const endRow = firstRow + rowCount;
     staging.unmap();
     const { checked } = this.#allocate(() => {
@@ -452,7 +443,7 @@ export class RowIngest implements RowSink {
     });
     this.#checks.push(checked);
     this.#reuse(staging);
-    arrivals?.add(endRow);
+    this.#arrivals?.add(endRow);
   }
 
   /** @throws SplatFileError 'empty' if no row was kept. */
