@@ -390,7 +390,7 @@ export class SplatEngine {
   /** @internal Shows a scene in bricks, as `load` does. */
   async stream(scene: BrickScene, options: StreamOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
-    const { streamBricks } = await fetched('streaming', import('./clouds/bricks/stream-bricks.ts'));
+    const { streamBricks } = await fetched('streaming', import('./clouds/bricks/brick-parts.ts'));
     const signal = this.#untilEnded(options.signal);
     const { onDestroyed } = this.#optionsOf({});
     const cloud = await streamBricks(this.#streamContext, scene, { ...options, signal }, { onDestroyed });

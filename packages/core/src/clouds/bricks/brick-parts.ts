@@ -2,12 +2,15 @@ import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { BLOB_PRECISION } from '../../data/packing/precision.ts';
+import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunksWithoutBounds, STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import type { CoarseSplats } from '../stream/cloud-stream.ts';
 import type { PartLimit } from '../stream/part-pace.ts';
+import { streamInto } from '../stream/scene-pool.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
 import type { Sights } from '../stream/scene-viewers.ts';
+import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import {
   BrickPlan,
   DRAWN,
@@ -16,7 +19,17 @@ import {
   type ResidentBrick,
   type ValuedBrick,
 } from './brick-plan.ts';
-import { type BrickPool, type PlacedBrick, type PlacedCell, slotsFor } from './brick-pool.ts';
+import {
+  BrickPool,
+  type PlacedBrick,
+  type PlacedCell,
+  poolBytes,
+  roomFor,
+  rootStages,
+  slotsFor,
+} from './brick-pool.ts';
+
+export { FIRST_STAGES } from '../stream/chunk-pages.ts';
 
 /** Most bytes of bricks, the root included, that are requested before the first picture. */
 const MOST_BYTES_AT_FIRST = 3 << 19;
@@ -363,4 +376,33 @@ function endOf(brick: LackingBrick): number {
 function isPlaced(cell: PlacedCell): boolean {
   const { above } = cell.brick;
   return !above || (above.below === cell.brick && isPlaced(above));
+}
+
+/**
+ * Makes a cloud that streams the parts of a scene that views need. Resolves when the coarsest part
+ * is on the GPU.
+ *
+ * @throws InvalidArgumentError if the budget does not hold a brick of each level; GpuLimitError if
+ *   the device lacks memory; errors of `scene.read`. Nothing is left allocated then.
+ */
+export async function streamBricks(
+  context: StreamContext,
+  scene: BrickScene,
+  options: StreamOptions,
+  { onDestroyed }: Pick<SplatCloudOptions, 'onDestroyed'>,
+): Promise<SplatCloud> {
+  const { name, shDegree } = scene;
+  const { least, most } = roomFor(scene);
+  const need = { name, leastBytes: poolBytes(shDegree, least), mostBytes: poolBytes(shDegree, most) };
+  checkBudget(need, options);
+  // Starts compiling the pipelines early. Making the pool throws the same error if that fails.
+  context.pipelines.prepare(rootStages(scene)).catch(() => {});
+  const brick = await scene.read(scene.root, options.signal);
+  const makePool = (bytes: number) => BrickPool.make(context, scene, slotsFor(scene, bytes));
+  const begin = (pool: BrickPool) => {
+    const root = pool.place(brick, scene.root, null);
+    pool.merge();
+    return new BrickParts(scene, pool, root);
+  };
+  return streamInto(context, need, { ...options, onDestroyed }, makePool, begin);
 }

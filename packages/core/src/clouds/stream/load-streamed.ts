@@ -59,7 +59,7 @@ const fetchLeaves = async () => {
   return { stream, firstStages };
 };
 const fetchBricks = async () => {
-  const { streamBricks: stream, FIRST_STAGES: firstStages } = await import('../bricks/stream-bricks.ts');
+  const { streamBricks: stream, FIRST_STAGES: firstStages } = await import('../bricks/brick-parts.ts');
   return { stream, firstStages };
 };
 
