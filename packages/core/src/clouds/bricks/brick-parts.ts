@@ -6,10 +6,9 @@ import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunksWithoutBounds, STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import type { CoarseSplats } from '../stream/cloud-stream.ts';
-import type { PartLimit } from '../stream/part-pace.ts';
 import { streamInto } from '../stream/scene-pool.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
-import type { Sights } from '../stream/scene-viewers.ts';
+import type { PartLimit, Sights } from '../stream/scene-viewers.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import {
   BrickPlan,

@@ -5,9 +5,8 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunksWithoutBounds, STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import type { CoarseSplats, SplatSpan } from '../stream/cloud-stream.ts';
-import type { PartLimit } from '../stream/part-pace.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
-import type { Sights } from '../stream/scene-viewers.ts';
+import type { PartLimit, Sights } from '../stream/scene-viewers.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 

@@ -5,8 +5,7 @@ import { nextTask } from '../../data/turns.ts';
 import { MOST_REQUESTS } from '../../io/sources/few-requests.ts';
 import type { CloudSight } from './cloud-sight.ts';
 import type { CloudStream, CoarseSplats, StreamReport } from './cloud-stream.ts';
-import type { PartLimit } from './part-pace.ts';
-import { SceneViewers, type Sights } from './scene-viewers.ts';
+import { type PartLimit, SceneViewers, type Sights } from './scene-viewers.ts';
 
 /**
  * Parts that are being fetched, or have been fetched and wait in memory while the GPU's contents
