@@ -1,6 +1,6 @@
+import { FIRST_PIECE } from '../../data/bricks/brick-files.ts';
 import { fetched } from '../../data/errors.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { SPLAT_FORMATS, type SplatFormatName } from '../../io/formats/formats.ts';
 import type { KnownSource } from '../../io/sources/known-source.ts';
 import type { ReadOptions } from '../../io/sources/splat-source.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
@@ -63,15 +63,40 @@ const fetchBricks = async () => {
   return { stream, firstStages };
 };
 
-/** Loads a scene that streams, by format; each has a row with `mayStream` in `io/formats/formats.ts`. */
-const LOADERS: Partial<Record<SplatFormatName, Load>> = {
-  sog: loadBy(async () => (await import('../../io/formats/sog/open-leaves.ts')).openLeaves, fetchLeaves),
-  rad: loadBy(async () => (await import('../../io/formats/rad/open-rad.ts')).openRad, fetchLeaves),
-  bricks: loadBy(
-    async () => (await import('../../io/formats/bricks/open-bricks.ts')).openBricks,
-    fetchBricks,
-  ),
-};
+/** How scenes of a format are streamed. */
+interface Loader {
+  /**
+   * Whether a source may be a scene of which views need only parts at once. `load` opens it, and finds
+   * that out.
+   *
+   * @param name of the source or of one of its files, with folders.
+   */
+  readonly mayStream: (name: string, kind: KnownSource['kind']) => boolean;
+  readonly load: Load;
+}
+
+/** In a folder with several scenes, the first row counts: that of scenes of any size. */
+const LOADERS: readonly Loader[] = [
+  {
+    mayStream: (name, kind) => {
+      if (kind === 'stream') return false;
+      return (kind === 'files' ? FIRST_PIECE : /\.bricks(?:\.000)?$/i).test(name);
+    },
+    load: loadBy(
+      async () => (await import('../../io/formats/bricks/open-bricks.ts')).openBricks,
+      fetchBricks,
+    ),
+  },
+  {
+    mayStream: (name) => /\.rad$/i.test(name),
+    load: loadBy(async () => (await import('../../io/formats/rad/open-rad.ts')).openRad, fetchLeaves),
+  },
+  {
+    mayStream: (name, kind) =>
+      /(?:^|\/)lod-meta\.json$/i.test(name) || (kind === 'blob' && /\.(?:sog|zip)$/i.test(name)),
+    load: loadBy(async () => (await import('../../io/formats/sog/open-leaves.ts')).openLeaves, fetchLeaves),
+  },
+];
 
 /**
  * Makes a cloud of a scene whose parts are read as views need them.
@@ -88,10 +113,6 @@ export function loadStreamed(
   cloudOptions: CloudOptions,
 ): ReturnType<Load> | null {
   const names = source.kind === 'files' ? source.paths : source.fileNames;
-  // In a folder with several scenes, the format that streams scenes of any size comes first.
-  const format = SPLAT_FORMATS.findLast(({ mayStream }) =>
-    names.some((name) => mayStream?.(name, source.kind)),
-  );
-  const load = format && LOADERS[format.name as SplatFormatName];
-  return load ? load(context, source, options, cloudOptions) : null;
+  const loader = LOADERS.find(({ mayStream }) => names.some((name) => mayStream(name, source.kind)));
+  return loader ? loader.load(context, source, options, cloudOptions) : null;
 }

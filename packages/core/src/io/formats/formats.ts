@@ -31,22 +31,12 @@ export interface SplatFormat {
   /** Whether no bytes tell the format, so that all others are tried before it; default false. */
   readonly lacksSignature?: boolean;
   /**
-   * @internal Whether a source may be a scene of which views need only parts at once. The format's
-   * row in `clouds/stream/load-streamed.ts` opens it, and finds that out.
-   *
-   * @param name of the source or of one of its files, with folders.
-   */
-  readonly mayStream?: (name: string, kind: SourceKind) => boolean;
-  /**
    * @internal Facts about the output of `write-NAME.ts`; absent if the format cannot be written.
    *   Defaults: title and first extension of the format, `tellsAntialiased: true`, `hasYUp: false`,
    *   `hasMotion: false`.
    */
   readonly written?: Partial<WritableFormat>;
 }
-
-/** As in `KnownSource`. */
-type SourceKind = 'url' | 'blob' | 'files' | 'frame' | 'stream' | 'bytes';
 
 /** A writable format, for pickers and messages. */
 export interface WritableFormat {
@@ -126,8 +116,6 @@ const ROWS = [
       if (!JSON_OBJECT.test(text)) return false;
       return /"(?:means|lodLevels)"\s*:/.test(text) || SOG_META.test(fileName.toLowerCase());
     },
-    mayStream: (name, kind) =>
-      /(?:^|\/)lod-meta\.json$/i.test(name) || (kind === 'blob' && /\.(?:sog|zip)$/i.test(name)),
     // A zip archive.
     written: { extension: '.sog' },
   },
@@ -155,7 +143,6 @@ const ROWS = [
     leadingFile: /\.rad$/,
     // The reader rejects a single chunk and names the file to open instead.
     recognise: (firstBytes) => [RAD_MAGIC, CHUNK_MAGIC].includes(latin1(firstBytes.subarray(0, 4))),
-    mayStream: (name) => /\.rad$/i.test(name),
   },
   {
     // Rows of 32 bytes without a header, as antimatter15's viewer reads them.
@@ -192,10 +179,6 @@ const ROWS = [
     extensions: ['.bricks'],
     leadingFile: FIRST_PIECE,
     recognise: (firstBytes) => latin1(firstBytes).startsWith(BRICKS_MAGIC),
-    mayStream: (name, kind) => {
-      if (kind === 'stream') return false;
-      return (kind === 'files' ? FIRST_PIECE : /\.bricks(?:\.000)?$/i).test(name);
-    },
     written: {},
   },
   {
