@@ -1,7 +1,7 @@
 import type { Vec3 } from '@websplatter/core';
 import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
 import { describe, expect, it, test } from 'vitest';
-import type { ImageOnBackground } from '../engine/show/drawn-frame.ts';
+import type { ImageOnBackground } from '../engine/viewer.ts';
 import { CROP_PX, errorMap, judgePicture, worstPlace } from './error-map.ts';
 
 function imageOf(

@@ -1,6 +1,6 @@
 import { classOf, ERROR_CLASSES } from '@websplatter/kit/error-classes';
 import { shownBytes, stepsBetween } from '@websplatter/kit/shown-pixels';
-import type { ImageOnBackground } from '../engine/show/drawn-frame.ts';
+import type { ImageOnBackground } from '../engine/viewer.ts';
 import type { ErrorFigures } from '../state/accuracy.ts';
 import type { LayerImage } from '../state/frames.ts';
 import type { JudgedPicture } from '../state/measured.ts';

@@ -1,7 +1,7 @@
 /** Compares images off the main thread, so that the page stays responsive. */
 
 import { serve } from '@websplatter/core/write';
-import type { ImageOnBackground } from '../engine/show/drawn-frame.ts';
+import type { ImageOnBackground } from '../engine/viewer.ts';
 import { errorMap, judgePicture } from './error-map.ts';
 
 let firstJudged: ImageOnBackground | undefined;

@@ -8,8 +8,7 @@ import {
 import { Remote } from '@websplatter/core/write';
 import { workerFailure } from '@websplatter/kit/worker-failure';
 import { allClouds } from '../engine/open/shown-scene.ts';
-import type { ImageOnBackground, ShownFrame } from '../engine/show/drawn-frame.ts';
-import type { Viewer } from '../engine/viewer.ts';
+import type { ImageOnBackground, ShownFrame, Viewer } from '../engine/viewer.ts';
 import type { JudgedPicture } from '../state/measured.ts';
 import type { ErrorMapTasks } from './error-map.worker.ts';
 

@@ -1,8 +1,7 @@
 import { type AccuracySettings, isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
 import type { AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
 import { shallow } from 'zustand/vanilla/shallow';
-import type { ShownFrame } from '../engine/show/drawn-frame.ts';
-import type { Viewer } from '../engine/viewer.ts';
+import type { ShownFrame, Viewer } from '../engine/viewer.ts';
 import { PRESET_NAMES } from '../state/accuracy.ts';
 import type { MeasuredAccuracy, MeasuredImage, MeasuredThing } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';

@@ -16,6 +16,7 @@ import {
   type SplatEngine,
   type SplatPick,
   type SplatView,
+  type TextureImage,
 } from '@websplatter/core';
 import { observeTheme } from '@websplatter/kit/theme';
 import { ViewCamera } from '../camera/view-camera.ts';
@@ -29,7 +30,6 @@ import type { LinkedStart } from './link/linked-start.ts';
 import { Scenes } from './open/scenes.ts';
 import { allClouds } from './open/shown-scene.ts';
 import { Drawing } from './show/drawing.ts';
-import type { ImageOnBackground, ShownFrame } from './show/drawn-frame.ts';
 import { Precisions } from './show/precisions.ts';
 import type { Session } from './show/session.ts';
 import { SessionOwner } from './show/session-owner.ts';
@@ -45,6 +45,23 @@ export interface StartOptions extends AddressedScene {
 export interface PanelProps {
   readonly store: ViewerStore;
   readonly viewer: Viewer;
+}
+
+/** The frame on the screen, and the engine that can draw variations of it. */
+export interface ShownFrame {
+  readonly engine: SplatEngine;
+  /** The request without its accuracy. */
+  readonly frame: FrameRequest;
+  /** The request with the camera as if no panel covered the picture, for saving it. */
+  readonly centred: FrameRequest;
+  /** Whether the scene is the other way up. */
+  readonly isFlipped: boolean;
+}
+
+/** An image read back without its background, and the background shown behind it. */
+export interface ImageOnBackground {
+  readonly image: TextureImage;
+  readonly background: Vec3;
 }
 
 /**

@@ -12,8 +12,7 @@ import {
   pictureOf,
   rowOf,
 } from '../camera/picture-space.ts';
-import type { ShownFrame } from '../engine/show/drawn-frame.ts';
-import type { Viewer } from '../engine/viewer.ts';
+import type { ShownFrame, Viewer } from '../engine/viewer.ts';
 import type { LengthScale, Ruler } from '../state/inspecting.ts';
 import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';

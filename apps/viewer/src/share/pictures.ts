@@ -1,6 +1,6 @@
 import { type Camera, InvalidArgumentError, WebSplatterError } from '@websplatter/core';
 import { reprojected } from '../camera/reprojected.ts';
-import type { ShownFrame } from '../engine/show/drawn-frame.ts';
+import type { ShownFrame } from '../engine/viewer.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { FileWork, perViewer, sceneFileName } from './file-work.ts';
 import { PngWriter, writePixels } from './png-writer.ts';

@@ -1,4 +1,11 @@
-import { DestroyedError, type SplatCloud, type SplatView } from '@websplatter/core';
+import {
+  type Camera,
+  DestroyedError,
+  type Detail,
+  type FrameRequest,
+  type SplatCloud,
+  type SplatView,
+} from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../../camera/flip.ts';
 import type { ViewCamera } from '../../camera/view-camera.ts';
@@ -15,7 +22,6 @@ import type { Vec3 } from '../../state/vec3.ts';
 import { awaitsViewMode } from '../../state/view-mode.ts';
 import type { Scenes } from '../open/scenes.ts';
 import { cloudKeys, type ShownScene } from '../open/shown-scene.ts';
-import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import type { Session } from './session.ts';
 import type { SessionOwner } from './session-owner.ts';
@@ -55,6 +61,17 @@ export interface DrawingOptions {
   readonly sessions: Pick<SessionOwner, 'current' | 'confirmRecovery'>;
   readonly scenes: Scenes;
   readonly camera: ViewCamera;
+}
+
+/** A frame, and the scene that it shows. */
+interface DrawnFrame {
+  readonly scene: ShownScene;
+  /** The request without its accuracy. */
+  readonly frame: FrameRequest & { readonly background: Vec3; readonly detail: Detail };
+  /** The camera as if no panel covered the picture. */
+  readonly centred: Camera;
+  /** Whether the scene is the other way up. */
+  readonly isFlipped: boolean;
 }
 
 /** `performance` entry from the navigation to the first picture of a scene, or of a part of it. */
@@ -313,6 +330,24 @@ export class Drawing {
     if (JSON.stringify(told(effects)) !== JSON.stringify(told(store.getState().effects)))
       store.setState({ effects });
   }
+}
+
+/** Key of an image: all that it depends on except accuracy, background and covering panels. */
+function imageKey({ scene, frame, centred }: DrawnFrame): string {
+  const { clouds, widthPx, heightPx, detail } = frame;
+  const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
+  const parts = scene.parts.map(({ key, look, loaded }) => [key, look.isHidden, look.opacity, loaded.frame]);
+  const effects = clouds.map((cloud) =>
+    cloud.effects?.map(({ effect, options, selection, reason }) => [
+      effect.name,
+      options,
+      selection?.version,
+      reason,
+    ]),
+  );
+  const { viewMatrix, projectionMatrix } = centred;
+  const matrices = [Array.from(viewMatrix), Array.from(projectionMatrix), models];
+  return JSON.stringify([scene.id, widthPx, heightPx, detail, matrices, parts, effects]);
 }
 
 async function destroyWhenReplaced({ views }: Session, replaced: readonly SplatCloud[]): Promise<void> {
