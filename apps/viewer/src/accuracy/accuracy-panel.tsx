@@ -9,7 +9,7 @@ import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
 import { AccuracySettingsForm, DetailDial } from './accuracy-settings.tsx';
-import { ComparisonForm } from './comparison-form.tsx';
+import { ComparisonForm } from './compared-pictures.tsx';
 import { MeasureForm } from './measure-form.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { PresetRows } from './preset-rows.tsx';
