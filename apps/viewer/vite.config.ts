@@ -38,7 +38,7 @@ const LATER: Readonly<Record<string, RegExp>> = {
   sources: /\/core\/src\/io\/sources\//,
   /** Several panels need parts of these. */
   panels:
-    /\/kit\/src\/(?!split-accuracy|vertical-fov)|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(edit-picture|show\/(draw-at-rest|frame-of-view|whole-frames))|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
+    /\/kit\/src\/(?!split-accuracy|vertical-fov)|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(edit-picture|show\/(draw-at-rest|frame-of-view|whole-frames))|inspect\/draw-crop|scene\/selected-part|accuracy\/(measure-button|compared-pictures))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];

@@ -17,7 +17,7 @@ const REPORTERS = new Set(['fetched', 'withCode', 'lazyCode', 'lazyComponent']);
 /** Who reports lost code of modules that others await. */
 const EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/viewer/src/accuracy/accuracy-settings.tsx': '`useDetailDb` catches it',
-  'apps/viewer/src/accuracy/measurements.ts': '`Measurement.run` shows failures in the panel',
+  'apps/viewer/src/accuracy/measure-presets.ts': '`Measurement.run` shows failures in the panel',
   'apps/viewer/src/app/picture.tsx': '`lazyComponent` and `lazyCode` take it',
   'apps/viewer/src/effects/effect-costs.ts': '`Measurement.run` shows failures in the panel',
   'apps/viewer/src/engine/open/catalogue.ts': 'the load or the worker that needs the case fails with it',

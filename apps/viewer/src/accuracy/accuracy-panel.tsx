@@ -11,7 +11,7 @@ import { Tabs } from '../ui/tabs.tsx';
 import { AccuracySettingsForm, DetailDial } from './accuracy-settings.tsx';
 import { ComparisonForm } from './compared-pictures.tsx';
 import { MeasureForm } from './measure-form.tsx';
-import type { AccuracyMeasurement } from './measurements.ts';
+import type { AccuracyMeasurement } from './measure-presets.ts';
 import { PresetRows } from './preset-rows.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {

@@ -12,9 +12,9 @@ import { inPlainWords } from '../ui/accuracy-words.ts';
 import { DetailDial } from './accuracy-settings.tsx';
 import { Pixels } from './compared-pictures.tsx';
 import { CROP_PX } from './error-map.ts';
+import { MeasureButton, timingCautions } from './measure-button.tsx';
+import type { AccuracyMeasurement } from './measure-presets.ts';
 import { MeasuredResults } from './measured-results.tsx';
-import { MeasurementRunner, timingCautions } from './measurement-runner.tsx';
-import type { AccuracyMeasurement } from './measurements.ts';
 import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
 /** Costs of the built-in scene from evidence/accuracy-settings.json, shown until costs are measured here. */
@@ -66,7 +66,7 @@ export function MeasureForm({
   const start = (sweep: NextSweep['sweep']) =>
     void (sweep === 'target' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
   const runner = (
-    <MeasurementRunner
+    <MeasureButton
       store={store}
       of="accuracy"
       label={next.label}

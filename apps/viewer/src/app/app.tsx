@@ -1,6 +1,6 @@
 import { Suspense, useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import type { Measurements } from '../accuracy/measurements.ts';
+import type { Measurements } from '../accuracy/measure-presets.ts';
 import type { KeptFile } from '../engine/keep/file-memory.ts';
 import { decide } from '../engine/open/decide.ts';
 import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/open/file-drop.ts';
@@ -20,7 +20,7 @@ import { MessagePanel } from './message-panel.tsx';
 import { Picture, smallParts } from './picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
-const fetchMeasurements = lazyCode(() => import('../accuracy/measurements.ts'));
+const fetchMeasurements = lazyCode(() => import('../accuracy/measure-presets.ts'));
 // In the order in which they are fetched after the first picture.
 const SceneCaption = lazyComponent(async () => (await import('../scene/scene-caption.tsx')).SceneCaption);
 const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);

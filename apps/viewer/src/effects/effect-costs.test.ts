@@ -1,6 +1,6 @@
 import type { MeasureEffectsOptions } from '@websplatter/core/measure';
 import { describe, expect, it, vi } from 'vitest';
-import { Measurement } from '../accuracy/measurements.ts';
+import { Measurement } from '../accuracy/measurement.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore } from '../state/store.ts';
 import { describeCost, formatCost, measureEffectCosts, measureSwitchedOn } from './effect-costs.ts';

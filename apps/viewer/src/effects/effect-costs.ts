@@ -1,6 +1,6 @@
 import type { EffectCost } from '@websplatter/core/measure';
 import { formatMs } from '@websplatter/kit/format';
-import type { Measurement } from '../accuracy/measurements.ts';
+import type { Measurement } from '../accuracy/measurement.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**

@@ -3,8 +3,8 @@ import type { EffectCost } from '@websplatter/core/measure';
 import { formatBytes, formatCount } from '@websplatter/kit/format';
 import { memo, useId } from 'react';
 import { useStore } from 'zustand';
-import { MeasurementRunner, timingCautions } from '../accuracy/measurement-runner.tsx';
-import type { Measurement } from '../accuracy/measurements.ts';
+import { MeasureButton, timingCautions } from '../accuracy/measure-button.tsx';
+import type { Measurement } from '../accuracy/measurement.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import type { MeasuredEffects } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
@@ -47,7 +47,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
           onSwitchedOn={(name) => measureSwitchedOn(store, measurement, name)}
         />
         <EffectList title="In this frame" entries={on} {...listed} />
-        <MeasurementRunner
+        <MeasureButton
           store={store}
           of="effects"
           label={measured ? 'Measure again' : 'Measure costs'}

@@ -2,7 +2,8 @@ import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/me
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
-import { AccuracyMeasurement, Measurement } from './measurements.ts';
+import { AccuracyMeasurement } from './measure-presets.ts';
+import { Measurement } from './measurement.ts';
 
 const started: { options: MeasureAccuracyOptions; finish: (table: AccuracyTable) => void }[] = [];
 

@@ -9,7 +9,7 @@ import { Running } from '../ui/running.tsx';
  * A button that starts a measurement; while it runs, its progress with a cancel button. Also shows
  * the last failure.
  */
-export function MeasurementRunner({
+export function MeasureButton({
   store,
   of,
   label,

@@ -1,16 +1,28 @@
-import { type AccuracySettings, isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
-import type { AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
-import { shallow } from 'zustand/vanilla/shallow';
-import type { ShownFrame, Viewer } from '../engine/viewer.ts';
+import {
+  ACCURACY_PRESETS,
+  type AccuracyPreset,
+  type AccuracySettings,
+  isSoftwareAdapter,
+  type SplatCloud,
+} from '@websplatter/core';
+import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/measure';
+import { Remote } from '@websplatter/core/write';
+import { workerFailure } from '@websplatter/kit/worker-failure';
+import { allClouds } from '../engine/open/shown-scene.ts';
+import type { ImageOnBackground, ShownFrame, Viewer } from '../engine/viewer.ts';
 import { PRESET_NAMES } from '../state/accuracy.ts';
-import type { MeasuredAccuracy, MeasuredImage, MeasuredThing } from '../state/measured.ts';
+import type { JudgedPicture, MeasuredAccuracy } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
-import { describeMeasured } from '../ui/accuracy-words.ts';
+import type { ErrorMapTasks } from './error-map.worker.ts';
+import { Measurement, type MeasurementOptions } from './measurement.ts';
 
 /** Five presets: 15 timed frames each, a first one for every three, one to compare and one to look at. */
 const FRAMES_OF_PRESETS = 110;
 /** Without a GPU three frames of each are timed. */
 const SOFTWARE_FRAMES_OF_PRESETS = 30;
+
+/** A software rasterizer takes as long for a frame as a GPU for a hundred, with less variation. */
+const SOFTWARE_FRAMES = 3;
 
 export interface Measurements {
   readonly measurement: Measurement;
@@ -80,7 +92,6 @@ export class AccuracyMeasurement {
    */
   async measure(sweep: 'presets' | 'settings'): Promise<void> {
     await this.#measurement.run('accuracy', async (drawn, { image, ...options }) => {
-      const { measureSweep } = await import('./measure-sweep.ts');
       const take = (result: Pick<MeasuredAccuracy, 'table' | 'allSettingsMs'>, isCutShort: boolean) => {
         if (!options.signal.aborted) this.#take({ ...image, ...result, sweep, isCutShort });
       };
@@ -99,7 +110,6 @@ export class AccuracyMeasurement {
     const others = PRESET_NAMES.filter((name) => name !== 'reference');
     const report = (done: number) => onProgress({ done, total, label: 'Drawing the presets to look at' });
     report(0);
-    const { judgePresets } = await import('./measure-sweep.ts');
     await judgePresets(this.#viewer, others, signal, (name, picture) => {
       const { judged, isIdle, imageId: newestId } = store.getState();
       // The view has changed meanwhile.
@@ -145,109 +155,80 @@ function lacksChoice({ target, choice, status, scene }: ViewerState): boolean {
   return target !== null && choice === null && status === 'running' && scene !== null;
 }
 
-interface MeasurementOptions {
-  readonly image: MeasuredImage;
-  readonly signal: AbortSignal;
-  readonly onProgress: (progress: MeasureProgress) => void;
+type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'combinations' | 'frames'>;
+
+/**
+ * Measures the costs of presets, or of all settings, for a frame.
+ *
+ * @returns the table; for presets also the estimated time for all settings, ms.
+ */
+async function measureSweep(
+  { engine, frame }: ShownFrame,
+  sweep: 'presets' | 'settings',
+  options: Pick<MeasureAccuracyOptions, 'signal' | 'onProgress' | 'onTable'>,
+): Promise<Pick<MeasuredAccuracy, 'table' | 'allSettingsMs'>> {
+  const { countMeasureSteps, measureAccuracy } = await import('@websplatter/core/measure');
+  const { camera, clouds, widthPx, heightPx, sortBy, detail } = frame;
+  const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
+  const image = { clouds, cameras: [camera], widthPx, heightPx, sortBy, detail };
+  const asked = { ...image, ...sweepOptions(sweep, isSoftware) };
+  const table = await measureAccuracy(engine, { ...asked, ...options });
+  if (sweep === 'settings') return { table, allSettingsMs: null };
+  const all = countMeasureSteps({ ...image, ...sweepOptions('settings', isSoftware) });
+  return { table, allSettingsMs: (table.elapsedMs * all) / countMeasureSteps(asked) };
+}
+
+function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): SweepOptions {
+  const presets = sweep === 'presets' ? { settings: [], ablations: false } : {};
+  // Combinations of settings take many frames to find.
+  const combinations = sweep === 'settings' && !isSoftware;
+  return { ...presets, combinations, ...(isSoftware && { frames: SOFTWARE_FRAMES }) };
 }
 
 /**
- * Runs measurements of the current frame and writes their progress to the store. One at a time: two
- * would slow each other down.
+ * Draws the current frame with each preset to a texture, and compares it with `reference`, which
+ * comes first.
  */
-export class Measurement {
-  readonly #viewer: Viewer;
-  readonly #store: ViewerStore;
-  #running: AbortController | null = null;
-
-  constructor(viewer: Viewer, store: ViewerStore) {
-    this.#viewer = viewer;
-    this.#store = store;
-  }
-
-  /** Whether the current frame was drawn by a CPU; false if there is none. */
-  get isOnSoftware(): boolean {
-    const shown = this.#viewer.shownFrame;
-    return shown !== null && isSoftwareAdapter(shown.engine.device.adapterInfo);
-  }
-
-  /** Cancels a measurement when its scene or device is gone. Returns a function that stops both. */
-  watch(): () => void {
-    const unsubscribe = this.#store.subscribe(
-      ({ scene, status }) => [scene, status],
-      () => this.stop(),
-      { equalityFn: shallow },
-    );
-    return () => {
-      unsubscribe();
-      this.stop();
-    };
-  }
-
-  /**
-   * Runs `work` on the frame at rest; does nothing if there is none or another measurement runs.
-   * Failures are written to the store.
-   */
-  async run(
-    of: MeasuredThing,
-    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<void>,
-  ): Promise<void> {
-    if (!this.#viewer.shownFrame || this.#running) return;
-    const store = this.#store;
-    const running = new AbortController();
-    this.#running = running;
-    const { signal } = running;
-    store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
-    try {
-      await this.#rest(signal);
-      const shown = this.#viewer.shownFrame;
-      if (!shown) return;
-      const { imageId } = store.getState();
-      const isSoftware = this.isOnSoftware;
-      const onProgress = (progress: MeasureProgress) => {
-        if (!signal.aborted) store.setState({ measuring: { of, ...progress, label: plainLabel(progress) } });
-      };
-      await work(shown, { image: { imageId, isSoftware }, signal, onProgress });
-    } catch (error) {
-      // The engine cancels measurements for views that have drawn something else.
-      if (signal.aborted || (error as Error).name === 'AbortError') return;
-      if (!(error instanceof WebSplatterError)) console.error(error);
-      const text = error instanceof Error ? error.message : String(error);
-      store.setState({ failedMeasurement: { of, text } });
-    } finally {
-      if (this.#running === running) {
-        this.#running = null;
-        store.setState({ measuring: null });
-      }
+async function judgePresets(
+  viewer: Viewer,
+  others: readonly AccuracyPreset[],
+  signal: AbortSignal,
+  onPicture: (name: AccuracyPreset, picture: JudgedPicture) => void,
+): Promise<void> {
+  const remote = new Remote<ErrorMapTasks>(
+    () => new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' }),
+    { failure: workerFailure },
+  );
+  try {
+    for (const name of ['reference', ...others] as const) {
+      const scene = viewer.scenes.newest;
+      if (!scene) return;
+      const image = await readWith(viewer, allClouds(scene), name, signal);
+      if (!image || signal.aborted) return;
+      const buffer = image.image.data.buffer as ArrayBuffer;
+      onPicture(name, await remote.call('judge', image, { transfer: [buffer] }));
     }
-  }
-
-  /** Resolves when the picture is at rest: results for an earlier one would be out of date. */
-  #rest(signal: AbortSignal): Promise<void> {
-    return new Promise((resolve, reject) => {
-      const look = () => {
-        if (!this.#viewer.isAtRest) return;
-        unsubscribe();
-        resolve();
-      };
-      const unsubscribe = this.#store.subscribe(look);
-      signal.addEventListener('abort', () => {
-        unsubscribe();
-        reject(signal.reason);
-      });
-      look();
-    });
-  }
-
-  /** Cancels the running measurement. */
-  stop(): void {
-    this.#running?.abort();
-    this.#running = null;
-    if (this.#store.getState().measuring) this.#store.setState({ measuring: null });
+  } finally {
+    remote.end();
   }
 }
 
-/** The label of a step, with settings in plain words. */
-function plainLabel({ label, point }: MeasureProgress): string {
-  return point ? label.replace(point.name, describeMeasured(point)) : label;
+/**
+ * Reads an image with the preset's own precision, which is prepared temporarily if the clouds lack
+ * it.
+ */
+async function readWith(
+  viewer: Viewer,
+  clouds: readonly SplatCloud[],
+  name: AccuracyPreset,
+  signal: AbortSignal,
+): Promise<ImageOnBackground | null> {
+  const accuracy = ACCURACY_PRESETS[name];
+  const leases = clouds.map((cloud) => cloud.hold(accuracy, { signal }));
+  try {
+    await Promise.all(leases.map(({ met }) => met));
+    return await viewer.readImage({ accuracy });
+  } finally {
+    for (const lease of leases) lease.release();
+  }
 }
