@@ -34,9 +34,8 @@ import type { FrameShape } from './frame-shape.ts';
 import { HostTextures, isMultisampled } from './parts/host-textures.ts';
 import { Layer } from './parts/layer.ts';
 import { PageInputs } from './parts/page-inputs.ts';
-import { Sort } from './parts/sort.ts';
 import { LongTiles, TileLists } from './parts/tile-lists.ts';
-import { VisibleSplats } from './parts/visible-splats.ts';
+import { Sort, VisibleSplats } from './parts/visible-splats.ts';
 
 /** A bind group of a row, and what it was made of. */
 interface MadeGroup {

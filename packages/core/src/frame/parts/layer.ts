@@ -1,10 +1,10 @@
 import type { ColorTarget, SizePx } from '../../data/accuracy/accuracy.ts';
+import { depthMapping } from '../../data/camera/depth-convention.ts';
 import { CompositeParameters, HostDepth, UpscaleParameters } from '../../data/layout/structs.ts';
 import type { DepthLayerFormat } from '../../stages/quads/quads.ts';
 import type { Drawing, FramePart, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled } from '../frame-shape.ts';
-import { hostDepthUniform } from '../frame-uniforms.ts';
 
 /** Textures that splats are blended in, or that blended splats are enlarged into. */
 interface LayerTextures {
@@ -96,7 +96,8 @@ export class Layer implements FramePart {
     const { device, shared } = this.#context;
     const { depth } = plan.shape;
     const { hostDepth } = shared.resources;
-    if (hostDepth && depth) device.queue.writeBuffer(hostDepth, 0, hostDepthUniform(plan, depth.mapping));
+    if (!hostDepth || !depth) return;
+    device.queue.writeBuffer(hostDepth, 0, HostDepth.pack(depthMapping(plan.camera, depth.mapping)));
   }
 
   aim({ destination }: Drawing): void {

@@ -1,10 +1,11 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { CullParameters, PagePlan, SPLAT_RECORDS } from '../../data/layout/structs.ts';
+import { CullParameters, PagePlan, SortPlan, SPLAT_RECORDS } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { RadixSort } from '../../stages/sort/radix-sort.ts';
 import { type FramePage, pagesOf, totalChunks } from '../frame-pages.ts';
 import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, hasSameBuffers } from '../frame-shape.ts';
+import { depthSortShape, type FrameShape, hasSameBuffers } from '../frame-shape.ts';
 
 /** Sizes and usages of the part's buffers. */
 function bufferTable({ visibleCapacity, accuracy }: FrameShape, pages: readonly FramePage[]) {
@@ -79,5 +80,68 @@ export class VisibleSplats implements FramePart {
       PagePlan.write(plans, { ...chunks, ...found }, index * PagePlan.bytes);
     }
     if (plans.byteLength > 0) queue.writeBuffer(pagePlans, 0, plans);
+  }
+}
+
+/** The sort of frames of one key width and capacity. */
+interface HeldSort {
+  readonly sort: RadixSort;
+  readonly keyBits: number;
+  readonly capacity: number;
+}
+
+/**
+ * Sorts the visible splats, far first; holds their keys, their number and their order. A part of its own: keys of
+ * other widths leave the records as they are.
+ */
+export class Sort implements FramePart {
+  readonly #context: PartContext;
+  /** Memory of `#held`. */
+  readonly #memory: GpuMemory;
+  #held: HeldSort | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+    this.#memory = context.memory.part();
+  }
+
+  get sort(): RadixSort {
+    return this.#held!.sort;
+  }
+
+  fit({ shape }: FramePlan): PartChange | null {
+    const { keyBits, visibleCapacity } = shape;
+    const held = this.#held;
+    if (held?.keyBits === keyBits && held.capacity === visibleCapacity) return null;
+    // No buffer exceeds the records buffer, whose size pre-process checks.
+    return {
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        this.#held = { sort: this.#make(shape), keyBits, capacity: visibleCapacity };
+      },
+    };
+  }
+
+  #make(shape: FrameShape): RadixSort {
+    const { visibleCapacity, dispatchRow } = shape;
+    const { device, pipelines, shared } = this.#context;
+    const memory = this.#memory;
+    const { STORAGE, INDIRECT } = GPUBufferUsage;
+    // plan-project writes them.
+    const buffers = createBuffers(memory, 'frame', {
+      visibleCount: [4, STORAGE],
+      depthSortPlan: [SortPlan.bytes, STORAGE],
+      depthSortDispatch: [12, STORAGE | INDIRECT],
+    });
+    const sort = new RadixSort(device, pipelines, memory, {
+      shape: depthSortShape(shape),
+      capacity: visibleCapacity,
+      plan: buffers.depthSortPlan,
+      blockDispatch: { buffer: buffers.depthSortDispatch, offset: 0 },
+      dispatchRow,
+    });
+    const { keys, upperKeys, order } = sort;
+    Object.assign(shared.resources, { ...buffers, keys, upperKeys, order });
+    return sort;
   }
 }
