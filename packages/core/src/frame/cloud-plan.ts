@@ -167,9 +167,9 @@ export function cloudShape(
 }
 
 /** This package's effects keep spheres round; callers' effects might not. */
-function isIsotropic(facts: CloudFacts, { parts }: EffectSet): boolean {
+function isIsotropic(facts: CloudFacts, { linked }: EffectSet): boolean {
   return (
     facts.isIsotropic &&
-    parts.every(({ effect, hooks }) => hooks.splat === undefined || placeInList(effect) >= 0)
+    linked.every(({ effect, hooks }) => hooks.splat === undefined || placeInList(effect) >= 0)
   );
 }

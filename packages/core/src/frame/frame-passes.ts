@@ -585,7 +585,7 @@ type MadeStages = readonly (readonly (CompiledStage | null)[])[];
 export const stagesOf = perShape((shape): ReadonlyMap<StageRow, MadeStages> => {
   const variants = shape.clouds.map((cloud) => {
     const variant = variantOf(shape, cloud);
-    const isDilated = !cloud.effects.parts.some(({ effect }) => effect === antialias.effect);
+    const isDilated = !cloud.effects.linked.some(({ effect }) => effect === antialias.effect);
     return cloud.levels ? [variant, { ...variant, ...BLOB_PRECISION, isDilated }] : [variant];
   });
   const made = (row: StageRow): MadeStages => {

@@ -194,7 +194,7 @@ export class FramePlanner {
         return { ...instance, shDegree };
       // A new selection may have turned an effect on since the last frame.
       const before = effects?.filter(
-        ({ effect, reason }) => reason === null || drawn.parts.some((part) => part.effect === effect),
+        ({ effect, reason }) => reason === null || drawn.linked.some((each) => each.effect === effect),
       );
       return { ...instance, shDegree, opacity, effects: before, instances };
     });

@@ -2,6 +2,7 @@ import type { Camera } from '../data/camera/camera.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
 import { type PlannedUse, showsSelection } from '../gpu/effects/cloud-effects.ts';
+import { changesOrder } from '../gpu/effects/effect-set.ts';
 import type { CloudInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';
@@ -49,7 +50,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
         isSameUses(
           cloud,
           other,
-          (planned) => changesOrder(planned) || (cloud.cut !== null && showsSelection(planned)),
+          (planned) => changesOrder(planned.use.hooks) || (cloud.cut !== null && showsSelection(planned)),
         )
       );
     })
@@ -63,14 +64,9 @@ export function isSameColors(a: readonly CloudPlan[], b: readonly CloudPlan[]): 
     return (
       (cloud.instance.shDegree ?? 3) === (other.instance.shDegree ?? 3) &&
       isSameLists(cloud.instance.instances, other.instance.instances, ['tints']) &&
-      isSameUses(cloud, other, (planned) => !changesOrder(planned))
+      isSameUses(cloud, other, (planned) => !changesOrder(planned.use.hooks))
     );
   });
-}
-
-function changesOrder({ use }: PlannedUse): boolean {
-  const { splat, opacity } = use.hooks;
-  return splat !== undefined || opacity !== undefined;
 }
 
 /** Whether the effects that pass `counts` are the same in both clouds. */

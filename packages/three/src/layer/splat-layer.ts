@@ -264,7 +264,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
         if (shape && object.uploadedTo(engine) === shape.cloud)
           object.announceDrawn(
             nowMs,
-            shape.effects.parts.map(({ effect }) => effect),
+            shape.effects.linked.map(({ effect }) => effect),
             shape.cloud.stream,
           );
       });

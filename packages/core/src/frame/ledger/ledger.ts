@@ -1,6 +1,6 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { EFFECT_LIST, isSameEffect, type ListedEffect, placeInList } from '../../gpu/effects/effect-list.ts';
-import { parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
+import { changesOrder, parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
 import type { AutomaticFeature, DrawnFrame, FeatureOf } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
@@ -104,7 +104,7 @@ function reasonOff(effect: ListedEffect, { clouds, request }: DrawnFrame['plan']
 }
 
 function stagesOf({ hooks }: ListedEffect): readonly string[] {
-  return hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
+  return changesOrder(hooks) ? ['cull-splats', 'project'] : ['project'];
 }
 
 /** Joins reasons: a single one as it stands, several with the names of their clouds. */

@@ -206,7 +206,7 @@ async function untilPrepared(
     const prepare = () => {
       try {
         if (!embedded.prepare(request)) return;
-        const names = embedded.shape!.clouds[0].effects.parts.map(({ effect }) => effect.name);
+        const names = embedded.shape!.clouds[0].effects.linked.map(({ effect }) => effect.name);
         if (JSON.stringify(names) === JSON.stringify(drawn)) resolve();
       } catch (error) {
         errors.push(error);

@@ -17,7 +17,7 @@ import {
 } from './effect.ts';
 
 /** What shaders contain of one effect. */
-export interface EffectPart {
+export interface LinkedEffect {
   readonly effect: SplatEffect;
   readonly hooks: EffectHooks;
   /** The effect's parameters, or its list with some room; null without either. */
@@ -28,7 +28,7 @@ export interface EffectPart {
 
 /** Effects that one cloud is drawn with, in the order they act. Equal lists are the same object. */
 export interface EffectSet {
-  readonly parts: readonly EffectPart[];
+  readonly linked: readonly LinkedEffect[];
   /** The modules that shaders import these effects from. */
   readonly modules: ShaderModules;
   /** Size of the parameters of the whole set, bytes; 0 if there are none. */
@@ -36,7 +36,7 @@ export interface EffectSet {
 }
 
 /** For clouds without effects. */
-export const NO_EFFECTS: EffectSet = { parts: [], modules: {}, parameterBytes: 0 };
+export const NO_EFFECTS: EffectSet = { linked: [], modules: {}, parameterBytes: 0 };
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
@@ -68,13 +68,13 @@ export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
   let set = sets.get(key);
   if (!set) {
     let parameterBytes = 0;
-    const parts = uses.map((use): EffectPart => {
+    const linked = uses.map((use): LinkedEffect => {
       const { effect, hooks } = use;
-      const part = { effect, hooks, parameters: parametersOf(use), offset: parameterBytes };
-      parameterBytes += roundUp(part.parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
-      return part;
+      const each = { effect, hooks, parameters: parametersOf(use), offset: parameterBytes };
+      parameterBytes += roundUp(each.parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
+      return each;
     });
-    set = { parts, modules: modulesOf(parts), parameterBytes };
+    set = { linked, modules: modulesOf(linked), parameterBytes };
     sets.set(key, set);
   }
   return set;
@@ -93,34 +93,33 @@ export function parametersOf(use: EffectUse): GpuStruct<GpuFields> | null {
 }
 
 /** Whether a stage with these hooks needs the selection. */
-export function takesSelection({ parts }: EffectSet, hooks: readonly SelectionHook[]): boolean {
-  return parts.some((part) => part.effect.takesSelection && hooks.some((hook) => part.hooks[hook]));
+export function takesSelection({ linked }: EffectSet, hooks: readonly SelectionHook[]): boolean {
+  return linked.some((each) => each.effect.takesSelection && hooks.some((hook) => each.hooks[hook]));
 }
 
 /** How many effects of the set take a selection, each of its own. */
-export function selectionsOf({ parts }: EffectSet): number {
-  return parts.filter(({ effect }) => effect.takesSelection).length;
+export function selectionsOf({ linked }: EffectSet): number {
+  return linked.filter(({ effect }) => effect.takesSelection).length;
 }
 
 /** Whether a stage with colours needs the levels of chunks. */
-export function hasLevels({ parts }: EffectSet): boolean {
-  return parts.some(({ effect, hooks }) => effect.takesLevel && hooks.color !== undefined);
+export function hasLevels({ linked }: EffectSet): boolean {
+  return linked.some(({ effect, hooks }) => effect.takesLevel && hooks.color !== undefined);
 }
 
 /** Returns the rows that effects of the set take, if any takes them. */
-export function rowsOf({ parts }: RowCloud['effects']): EffectRows | null | undefined {
-  return parts.find(({ effect }) => effect.rows)?.effect.rows;
+export function rowsOf({ linked }: RowCloud['effects']): EffectRows | null | undefined {
+  return linked.find(({ effect }) => effect.rows)?.effect.rows;
 }
 
 /** Whether any effect of the set uses this hook. */
-export function hasHook({ parts }: EffectSet, hook: keyof EffectHooks): boolean {
-  return parts.some(({ hooks }) => hooks[hook] !== undefined);
+export function hasHook({ linked }: EffectSet, hook: keyof EffectHooks): boolean {
+  return linked.some(({ hooks }) => hooks[hook] !== undefined);
 }
 
 /** Returns the set for stages without colours: NO_EFFECTS if effects change only colours. */
 export function geometryEffects(set: EffectSet): EffectSet {
-  const geometryHooks = ['splat', 'opacity', 'screen'] as const;
-  return geometryHooks.some((hook) => hasHook(set, hook)) ? set : NO_EFFECTS;
+  return set.linked.some(({ hooks }) => changesOrder(hooks)) ? set : NO_EFFECTS;
 }
 
 /** Returns the set for stages that test chunks: NO_EFFECTS if no effect changes their bounds. */
@@ -130,13 +129,13 @@ export function boundsEffects(set: EffectSet): EffectSet {
 
 /** Packs the parameters of one cloud's effects into a struct `Effects` for each place of the cloud. */
 export function packParameters(
-  { parts, parameterBytes }: EffectSet,
+  { linked, parameterBytes }: EffectSet,
   places: readonly (readonly { readonly values: GpuValues<GpuFields> | null }[])[],
 ): Uint8Array {
   if (parameterBytes === 0) return NO_PARAMETERS;
   const packed = new ArrayBuffer(parameterBytes * places.length);
   for (const [i, uses] of places.entries())
-    for (const [j, { effect, parameters, offset }] of parts.entries()) {
+    for (const [j, { effect, parameters, offset }] of linked.entries()) {
       const { values } = uses[j];
       const at = parameterBytes * i + offset;
       // The rest of a list's room stays 0.
@@ -169,31 +168,49 @@ function memberOf(effect: SplatEffect): string {
 /** Hooks that take `selected`. */
 type SelectionHook = 'splat' | 'color';
 
-const HOOK_FUNCTIONS: Readonly<
-  Record<
-    keyof EffectHooks,
-    { readonly name: string; readonly type: string; readonly others: readonly string[] }
-  >
-> = {
-  splat: { name: 'changeSplat', type: 'Splat', others: ['splatIndex: u32'] },
-  opacity: { name: 'changeOpacity', type: 'f32', others: ['onScreen: ScreenSplat', 'dilationPx2: f32'] },
-  screen: { name: 'changeScreen', type: 'ScreenSplat', others: [] },
-  bounds: { name: 'changeBounds', type: 'ChunkBounds', others: ['chunkIndex: u32'] },
+/** The functions by which stages call hooks. Linked text has them in this order. */
+const HOOK_FUNCTIONS: Readonly<Record<keyof EffectHooks, HookFunction>> = {
+  splat: { name: 'changeSplat', type: 'Splat', others: ['splatIndex: u32'], redoes: 'order' },
+  opacity: {
+    name: 'changeOpacity',
+    type: 'f32',
+    others: ['onScreen: ScreenSplat', 'dilationPx2: f32'],
+    redoes: 'order',
+  },
+  screen: { name: 'changeScreen', type: 'ScreenSplat', others: [], redoes: 'order' },
+  bounds: { name: 'changeBounds', type: 'ChunkBounds', others: ['chunkIndex: u32'], redoes: 'order' },
   color: {
     name: 'changeColor',
     type: 'vec3f',
     others: ['splat: Splat', 'splatIndex: u32', 'centerView: vec3f'],
+    redoes: 'colors',
   },
 };
+
+interface HookFunction {
+  readonly name: string;
+  readonly type: string;
+  /** Further parameters. */
+  readonly others: readonly string[];
+  /** What a frame redoes if the effect has other values: which splats are drawn where, or colours alone. */
+  readonly redoes: 'order' | 'colors';
+}
+
+/** Whether other values of an effect with these hooks change which splats are drawn, or where. */
+export function changesOrder(hooks: EffectHooks): boolean {
+  return Object.entries(HOOK_FUNCTIONS).some(
+    ([hook, { redoes }]) => redoes === 'order' && hooks[hook as keyof EffectHooks] !== undefined,
+  );
+}
 
 /**
  * Returns the module `effects`, whose functions apply one effect after another, the module
  * `parameters` with their structs, and a module for each effect. Only declarations that a stage uses
  * are linked.
  */
-function modulesOf(parts: readonly EffectPart[]): ShaderModules {
-  const withParameters = parts.filter(({ parameters }) => parameters !== null);
-  const selecting = parts.filter(({ effect }) => effect.takesSelection);
+function modulesOf(linked: readonly LinkedEffect[]): ShaderModules {
+  const withParameters = linked.filter(({ parameters }) => parameters !== null);
+  const selecting = linked.filter(({ effect }) => effect.takesSelection);
   const structs = withParameters.map(({ parameters }) => parameters!.wgsl);
   const members = withParameters.map(
     ({ effect, parameters }) =>
@@ -205,21 +222,21 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
     'import package::lib::visible_ellipse::ScreenSplat;',
   ];
   const functions: string[] = [];
-  const localName = (part: EffectPart, hook: keyof EffectHooks) => callOf(hook, parts.indexOf(part));
+  const localName = (each: LinkedEffect, hook: keyof EffectHooks) => callOf(hook, linked.indexOf(each));
   for (const hook of Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]) {
-    const acting = parts.filter(({ hooks }) => hooks[hook] !== undefined);
+    const acting = linked.filter(({ hooks }) => hooks[hook] !== undefined);
     if (acting.length === 0) continue;
     const { name, type, others } = HOOK_FUNCTIONS[hook];
     const passed = others.map((parameter) => parameter.split(':')[0]);
-    const steps = acting.map((part) => {
-      const { effect } = part;
+    const steps = acting.map((each) => {
+      const { effect } = each;
       const isOfSplat = hook === 'splat' || hook === 'color';
       const row = effect.rows && isOfSplat ? ['rowOf(splatIndex)'] : [];
       const selected =
-        effect.takesSelection && isOfSplat ? [`isSelected(splatIndex, ${selecting.indexOf(part)}u)`] : [];
+        effect.takesSelection && isOfSplat ? [`isSelected(splatIndex, ${selecting.indexOf(each)}u)`] : [];
       const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];
       const changedBy = (own: string[]) =>
-        `changed = ${localName(part, hook)}(${['changed', ...passed, ...row, ...level, ...selected, ...own].join(', ')});`;
+        `changed = ${localName(each, hook)}(${['changed', ...passed, ...row, ...level, ...selected, ...own].join(', ')});`;
       if (!effect.parameters) return `  ${changedBy([])}`;
       const member = memberOf(effect);
       return [
@@ -234,9 +251,9 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
       '  return changed;',
       '}',
     );
-    for (const part of acting) {
-      const { effect } = part;
-      imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]} as ${localName(part, hook)};`);
+    for (const each of acting) {
+      const { effect } = each;
+      imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]} as ${localName(each, hook)};`);
     }
   }
   const uniform =
@@ -254,7 +271,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
       '@if(INSTANCES) import package::lib::instances::instanceIndex;',
     );
   // Every thread copies arrays that are passed by value, so functions read lists where they are.
-  const lists = parts
+  const lists = linked
     .filter(({ effect }) => effect.hasList)
     .flatMap(({ effect }) => {
       const member = memberOf(effect);
@@ -265,7 +282,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
         '}',
       ];
     });
-  const resources = parts
+  const resources = linked
     .flatMap(({ effect }) => effect.resources?.declarations(effect.name) ?? [])
     .map((declaration, i) => `@group(0) @binding(${RESOURCES_BINDING + i}) ${declaration}`);
   // All bits of the first effect's selection, then all bits of the second's, and so on.
@@ -279,7 +296,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
           '}',
         ]
       : [];
-  const levels = parts.some(({ effect }) => effect.takesLevel)
+  const levels = linked.some(({ effect }) => effect.takesLevel)
     ? [
         'import constants::CHUNK_SPLATS;',
         `@group(0) @binding(${LEVELS_BINDING}) var<uniform> chunkLevels: array<vec4u, ${CHUNK_LEVEL_BYTES / 16}>;`,
@@ -290,7 +307,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
       ]
     : [];
   return {
-    effects: [...imports, rowsOf({ parts })?.wgsl() ?? '', ...levels, ...selection, ...functions].join('\n'),
+    effects: [...imports, rowsOf({ linked })?.wgsl() ?? '', ...levels, ...selection, ...functions].join('\n'),
     parameters: [
       ...uniform,
       ...structs,
@@ -298,6 +315,6 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
       ...lists,
       ...resources,
     ].join('\n'),
-    ...Object.fromEntries(parts.map(({ effect }) => [moduleNameOf(effect), effect.wgsl])),
+    ...Object.fromEntries(linked.map(({ effect }) => [moduleNameOf(effect), effect.wgsl])),
   };
 }

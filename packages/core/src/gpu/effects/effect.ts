@@ -117,7 +117,7 @@ export interface RowCloud {
     readonly version: number;
     readonly pool: object | null;
   };
-  readonly effects: { readonly parts: readonly { readonly effect: SplatEffect }[] };
+  readonly effects: { readonly linked: readonly { readonly effect: SplatEffect }[] };
 }
 
 /** @hidden Rows of the splats of a frame's pages, on the GPU. */

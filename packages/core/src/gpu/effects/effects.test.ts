@@ -19,7 +19,7 @@ import { reachOf, usesOf } from './cloud-effects.ts';
 import { defineEffect } from './define-effect.ts';
 import type { SplatEffect } from './effect.ts';
 import { EFFECT_LIST, placeInList } from './effect-list.ts';
-import { type EffectSet, effectSetOf } from './effect-set.ts';
+import { changesOrder, type EffectSet, effectSetOf } from './effect-set.ts';
 import { EFFECTS } from './effects.ts';
 import { opacity } from './opacity/opacity.ts';
 import { tint } from './tint/tint.ts';
@@ -136,7 +136,7 @@ describe('effects', () => {
       const effects = structs.find(({ name }) => name === 'Effects')!;
       expect(effects.size).toBe(set.parameterBytes);
       let end = 0;
-      for (const { parameters } of set.parts) {
+      for (const { parameters } of set.linked) {
         if (!parameters) continue;
         const member = effects.members.find(({ type }) => type.name === parameters.name)!;
         expect(member.offset).toBe(Math.ceil(end / 16) * 16);
@@ -157,6 +157,15 @@ describe('effects', () => {
       const buffers = shaderBindings(linkShader(stage)).map(({ entry }) => entry.buffer?.type);
       expect(buffers.filter((type) => type?.endsWith('storage')).length).toBeLessThanOrEqual(8);
     }
+  });
+
+  test('need another order of splats for other values of any hook but the one of colours', () => {
+    const changed = ['splat', 'opacity', 'screen', 'bounds', 'color'].map((hook) =>
+      changesOrder({ [hook]: 'f' }),
+    );
+    expect(changed).toEqual([true, true, true, true, false]);
+    expect(changesOrder({ color: 'f', screen: 'g' })).toBe(true);
+    expect(changesOrder({ color: 'f', splat: undefined })).toBe(false);
   });
 
   test('that change nothing are not applied', () => {

@@ -26,7 +26,7 @@ export interface ShaderVariant {
   /** Whether it uses built-in functions of subgroups, which are a feature of devices. */
   readonly usesSubgroups?: boolean;
   /** Provides modules `effects` and `parameters`; equal ones are the same object. Default none. */
-  readonly effects?: Pick<EffectSet, 'modules'> & Partial<Pick<EffectSet, 'parts'>>;
+  readonly effects?: Pick<EffectSet, 'modules'> & Partial<Pick<EffectSet, 'linked'>>;
 }
 
 /** Loads a variant's missing texts. Linking needs all of them. */

@@ -1,6 +1,6 @@
 import { ShaderError } from '../../data/errors.ts';
 import { structName } from '../effects/effect.ts';
-import { callOf, type EffectPart, moduleNameOf } from '../effects/effect-set.ts';
+import { callOf, type LinkedEffect, moduleNameOf } from '../effects/effect-set.ts';
 import { linkInput, type ShaderMutation, type ShaderVariant } from './link-shader.ts';
 import { LinkError, type LinkInput, linkTokens, type Token } from './shader-linker.ts';
 
@@ -35,18 +35,18 @@ export async function shaderErrorOf(failure: ShaderFailure): Promise<ShaderError
   const { variant, mutation, cause } = failure;
   const input = linkInput(variant, mutation);
   const found = cause instanceof LinkError ? cause : await compiled(failure, input);
-  const parts = variant.effects?.parts ?? [];
-  const own = partOf(found, parts, input);
+  const linked = variant.effects?.linked ?? [];
+  const own = effectAt(found, linked, input);
   const { module, line, problem } = found;
   const place = module === null ? '' : `${module}${line === null ? '' : `, line ${line}`}: `;
-  const effects = (own ? [own] : parts).map(({ effect }) => effect.name);
+  const effects = (own ? [own] : linked).map(({ effect }) => effect.name);
   const what = `${place}${problem.replace(/\.$/, '')}.`;
   const message =
     effects.length > 0
       ? `The ${effects.length > 1 ? 'effects' : 'effect'} ${effects.join(', ')} cannot be drawn: ${what} ` +
         'Clouds are drawn without; correct the WGSL and define the effect anew.'
       : `The shader ${variant.stage} cannot be made: ${what} Update the browser or the driver of the GPU.`;
-  const culprit = own?.effect ?? (parts.length > 0 ? variant.effects! : null);
+  const culprit = own?.effect ?? (linked.length > 0 ? variant.effects! : null);
   return new ShaderError(message, { stage: variant.stage, effects, module, line, culprit }, { cause });
 }
 
@@ -90,26 +90,26 @@ function tokenAt(
 }
 
 /** Returns the effect that a place belongs to; undefined if it is none's. */
-function partOf(
+function effectAt(
   { module, line }: Found,
-  parts: readonly EffectPart[],
+  linked: readonly LinkedEffect[],
   { modules }: LinkInput,
-): EffectPart | undefined {
+): LinkedEffect | undefined {
   if (module === null || line === null) return undefined;
   if (module !== 'effects' && module !== 'parameters')
-    return parts.find(({ effect }) => moduleNameOf(effect) === module);
+    return linked.find(({ effect }) => moduleNameOf(effect) === module);
   // In generated text, each line has a word of its effect, or the line that its declaration begins with.
   const lines = modules[module].split('\n').slice(0, line).reverse();
   const begin = lines.findIndex((text) => /^\S/.test(text));
   for (const text of lines.slice(0, begin + 1)) {
     const words = text.match(/\w+/g) ?? [];
-    const part = parts.find((each, index) => {
+    const named = linked.find((each, index) => {
       const calls = Object.keys(each.hooks).map((hook) => callOf(hook, index));
       const name = structName(each.effect.name);
       const begins = [name, name[0].toLowerCase() + name.slice(1)];
       return words.some((word) => calls.includes(word) || begins.some((start) => word.startsWith(start)));
     });
-    if (part) return part;
+    if (named) return named;
   }
   return undefined;
 }
