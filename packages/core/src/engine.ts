@@ -52,6 +52,7 @@ import { EmbeddedView } from './views/embedded-view.ts';
 import { rememberedRasterizer } from './views/remembered-rasterizer.ts';
 import { SplatView } from './views/splat-view.ts';
 import { DEFAULT_SUBMISSION_BUDGET_MS } from './views/submission-forecast.ts';
+import { possibleOn } from './views/view-accuracy.ts';
 import type { ViewContext } from './views/view-frames.ts';
 
 /** How exactly a frame was drawn. */
@@ -841,17 +842,4 @@ function requestsOther(
   const { geometryPrecision, shPrecision } = accuracy;
   const isSame = geometryPrecision === precision.geometryPrecision && shPrecision === precision.shPrecision;
   return clouds.some((each) => each.cloud === cloud) && !isSame;
-}
-
-function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAccuracy {
-  if (
-    requested.colorTarget === 'rgba32float' &&
-    !device.features.has('float32-blendable' as GPUFeatureName)
-  ) {
-    const notice =
-      'This device cannot blend rgba32float; frames are blended in rgba16float. Where the GPU can, ' +
-      "adapter.requestDevice({ requiredFeatures: ['float32-blendable'] }) makes one that does.";
-    return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
-  }
-  return { settings: requested, notices: [] };
 }

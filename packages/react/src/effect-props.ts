@@ -1,7 +1,14 @@
 import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
 import { EFFECTS, type EffectUse, type RevealOptions, type Volume } from '@websplatter/core/effects';
-import { checkedReveal, encodedColor, type RevealAnimation, volumeOf } from '@websplatter/three';
-import type { Box3, ColorRepresentation, Plane, Sphere } from 'three';
+import {
+  checkedReveal,
+  encodedColor,
+  type RevealAnimation,
+  SplatCloudObject,
+  type SplatData,
+  volumeOf,
+} from '@websplatter/three';
+import type { Box3, Color, ColorRepresentation, Plane, Sphere } from 'three';
 
 /** Clouds have their own `opacity` and `reveal`, and the scene's `fog`. */
 const { opacity, fog, reveal, ...NAMED_EFFECTS } = EFFECTS;
@@ -9,7 +16,7 @@ const { opacity, fog, reveal, ...NAMED_EFFECTS } = EFFECTS;
 type NamedEffects = typeof NAMED_EFFECTS;
 
 /** Names of the effects that are properties of a cloud. */
-export const NAMES_OF_EFFECTS = /* @__PURE__ */ Object.keys(NAMED_EFFECTS) as (keyof NamedEffects)[];
+const NAMES_OF_EFFECTS = /* @__PURE__ */ Object.keys(NAMED_EFFECTS) as (keyof NamedEffects)[];
 
 /** Any of three's colours; or red, green and blue, sRGB-encoded, 0…1. */
 export type SplatColor = ColorRepresentation | Vec3;
@@ -71,7 +78,7 @@ export interface EffectProps extends OptionProps {
 }
 
 /** Values of a cloud's effect properties; null: the effect is off. */
-export type NamedOptions = { [Name in keyof NamedEffects]: EffectProps[Name] | null };
+type NamedOptions = { [Name in keyof NamedEffects]: EffectProps[Name] | null };
 
 /** Returns `value` clamped to 0…`max`, and may warn. */
 export type Clamp = (property: string, value: number, max: number) => number;
@@ -118,6 +125,46 @@ export function usesOfOptions(given: Partial<NamedOptions>, clamp: Clamp): Effec
     if (isOff(name, options)) return [];
     return use(clampedOptions(name, name, inEngine(name, options), clamp) as never);
   });
+}
+
+/** The class of three with a property for each effect, null at first. */
+const ObjectOfThree = SplatCloudObject as unknown as new (
+  data?: SplatData | null,
+) => SplatCloudObject & Omit<NamedOptions, 'tint'>;
+
+/** A cloud with the effects of `<Splats>` as properties. They are read at each draw: another value requests no frame. */
+export class ObjectWithEffects extends ObjectOfThree {
+  #tint: SplatColor | null = null;
+
+  constructor(data: SplatData | null = null) {
+    super(data);
+    // react-three-fiber resets removed props to these values.
+    for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: null });
+  }
+
+  /**
+   * Multiplies every colour: see `EffectProps`. A Color is converted when it is set; the getter
+   * returns red, green and blue, sRGB-encoded.
+   */
+  get tint(): SplatColor | null {
+    return this.#tint;
+  }
+
+  set tint(color: SplatColor | null) {
+    // react-three-fiber would copy the next colour into a Color that is kept here.
+    this.#tint = (color as Color | null)?.isColor ? colorInEngine(color!) : color;
+  }
+
+  protected override ownEffects(): readonly EffectUse[] {
+    const uses = usesOfOptions(this, (...number) => this.clamped(...number));
+    return [...uses, ...super.ownEffects()];
+  }
+
+  override copy(source: this, recursive?: boolean): this {
+    super.copy(source, recursive);
+    for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: source[name] });
+    return this;
+  }
 }
 
 function isOff(name: string, options: unknown): boolean {

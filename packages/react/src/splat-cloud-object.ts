@@ -1,26 +1,9 @@
 import { getRootState, type RootState, type ThreeElement } from '@react-three/fiber';
-import type { EffectUse } from '@websplatter/core/effects';
-import {
-  SplatCloudObject as ObjectOfThree,
-  type PickEvent,
-  type SplatData,
-  type SplatHit,
-} from '@websplatter/three';
-import type { Color, Object3D } from 'three';
+import type { PickEvent, SplatData, SplatHit } from '@websplatter/three';
+import type { Object3D } from 'three';
 import type { Camera, WebGPURenderer } from 'three/webgpu';
-import {
-  colorInEngine,
-  NAMES_OF_EFFECTS,
-  type NamedOptions,
-  type SplatColor,
-  usesOfOptions,
-} from './effect-props.ts';
+import { ObjectWithEffects } from './effect-props.ts';
 import { rendererOf } from './use-renderer.ts';
-
-/** The base class with a property for each effect except `tint`, null at first. */
-const ObjectWithEffects = ObjectOfThree as unknown as new (
-  data?: SplatData | null,
-) => ObjectOfThree & Omit<NamedOptions, 'tint'>;
 
 /**
  * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three with the effects of `<Splats>`
@@ -37,37 +20,9 @@ const ObjectWithEffects = ObjectOfThree as unknown as new (
  * }
  */
 export class SplatCloudObject extends ObjectWithEffects {
-  #tint: SplatColor | null = null;
-
   constructor(data: SplatData | null = null) {
     super(data);
-    // react-three-fiber resets removed props to these values.
-    for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: null });
     this.addEventListener('needsframe', () => rootStateOf(this)?.invalidate());
-  }
-
-  /**
-   * Multiplies every colour: see `EffectProps`. A Color is converted when it is set; the getter
-   * returns red, green and blue, sRGB-encoded.
-   */
-  get tint(): SplatColor | null {
-    return this.#tint;
-  }
-
-  set tint(color: SplatColor | null) {
-    // react-three-fiber would copy the next colour into a Color that is kept here.
-    this.#tint = (color as Color | null)?.isColor ? colorInEngine(color!) : color;
-  }
-
-  protected override ownEffects(): readonly EffectUse[] {
-    const uses = usesOfOptions(this, (...number) => this.clamped(...number));
-    return [...uses, ...super.ownEffects()];
-  }
-
-  override copy(source: this, recursive?: boolean): this {
-    super.copy(source, recursive);
-    for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: source[name] });
-    return this;
   }
 
   /**

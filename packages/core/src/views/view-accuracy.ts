@@ -1,4 +1,10 @@
-import { type Accuracy, type AccuracySettings, DEFAULT_ACCURACY } from '../data/accuracy/accuracy.ts';
+import {
+  type Accuracy,
+  type AccuracySettings,
+  DEFAULT_ACCURACY,
+  internAccuracy,
+  type PossibleAccuracy,
+} from '../data/accuracy/accuracy.ts';
 import type { AccuracyRequest, AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
@@ -12,7 +18,7 @@ export interface AccuracyContext {
    * engine's.
    */
   readonly targetFor: (asked: AccuracyRequest | undefined) => AccuracyTarget | null;
-  /** Returns the closest settings that the device supports, interned. Default: the engine's. */
+  /** Returns `possibleOn` the engine's device, of the settings `asked`. Default: the engine's. */
   readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly targets: AccuracyTargets;
 }
@@ -83,4 +89,18 @@ export class ViewAccuracy implements TargetView {
     this.#scene?.leave(this);
     this.#scene = null;
   }
+}
+
+/** Returns the closest settings that the device supports, interned as `requested` are. */
+export function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAccuracy {
+  if (
+    requested.colorTarget === 'rgba32float' &&
+    !device.features.has('float32-blendable' as GPUFeatureName)
+  ) {
+    const notice =
+      'This device cannot blend rgba32float; frames are blended in rgba16float. Where the GPU can, ' +
+      "adapter.requestDevice({ requiredFeatures: ['float32-blendable'] }) makes one that does.";
+    return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
+  }
+  return { settings: requested, notices: [] };
 }
