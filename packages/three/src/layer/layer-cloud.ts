@@ -13,7 +13,10 @@ import type { EffectUse, SplatEffect } from '@websplatter/core/effects';
 import type { Box3, BufferGeometry, Camera, Object3D, Scene } from 'three/webgpu';
 import type { SplatInstances } from '../cloud/splat-instances.ts';
 
-/** The part of `SplatCloudObject` that a layer uses to draw it. */
+/**
+ * The part of `SplatCloudObject` that a layer uses to draw it. Fields are read before each draw, and request no frame
+ * when they are set.
+ */
 export interface LayerCloud extends Object3D {
   readonly data: object | null;
   readonly drawnOpacity: number;
