@@ -137,7 +137,7 @@ describe('a frame is planned once: uses of effects, view and frustum of each clo
     const fogged = [glow(0.1), fog({ color: [0, 0, 0], near: 1, far: 9 }), tint([1, 0.5, 0.5])];
     const asked = callsOf(() => view.render(request(5, fogged)));
     expect(asked.cloudView).toBe(2 * CLOUDS);
-    expect(asked.usesOf).toBe(2 * CLOUDS);
+    expect(asked.cloudEffects).toBe(2 * CLOUDS);
     await view.whenDrawn();
     view.destroy();
   });
