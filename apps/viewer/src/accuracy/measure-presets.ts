@@ -2,7 +2,6 @@ import {
   ACCURACY_PRESETS,
   type AccuracyPreset,
   type AccuracySettings,
-  isSoftwareAdapter,
   type SplatCloud,
 } from '@websplatter/core';
 import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/measure';
@@ -16,13 +15,17 @@ import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { ErrorMapTasks } from './error-map.worker.ts';
 import { Measurement, type MeasurementOptions } from './measurement.ts';
 
-/** Five presets: 15 timed frames each, a first one for every three, one to compare and one to look at. */
-const FRAMES_OF_PRESETS = 110;
-/** Without a GPU three frames of each are timed. */
-const SOFTWARE_FRAMES_OF_PRESETS = 30;
-
-/** A software rasterizer takes as long for a frame as a GPU for a hundred, with less variation. */
-const SOFTWARE_FRAMES = 3;
+/**
+ * What a sweep tries. A software rasterizer takes as long for a frame as a GPU for a hundred, with less
+ * variation. Combinations of settings take many frames to find.
+ */
+const SWEEPS = {
+  presets: {
+    gpu: { settings: [], ablations: false, combinations: false, frames: 15 },
+    software: { settings: [], ablations: false, combinations: false, frames: 3 },
+  },
+  settings: { gpu: { combinations: true, frames: 15 }, software: { combinations: false, frames: 3 } },
+} as const;
 
 export interface Measurements {
   readonly measurement: Measurement;
@@ -61,7 +64,9 @@ export class AccuracyMeasurement {
 
   /** Number of frames that measuring the presets draws, about. */
   get framesOfPresets(): number {
-    return this.#measurement.isOnSoftware ? SOFTWARE_FRAMES_OF_PRESETS : FRAMES_OF_PRESETS;
+    const { frames } = SWEEPS.presets[this.#measurement.isOnSoftware ? 'software' : 'gpu'];
+    // Besides timed frames: one before every three, one to compare and one to look at.
+    return PRESET_NAMES.length * (frames + Math.ceil(frames / 3) + 2);
   }
 
   /**
@@ -90,13 +95,14 @@ export class AccuracyMeasurement {
    * Measures the current view: the presets, or also single settings changed from the default and
    * promising combinations. Results are kept as they arrive, even if the measurement is cancelled.
    */
-  async measure(sweep: 'presets' | 'settings'): Promise<void> {
+  async measure(sweep: keyof typeof SWEEPS): Promise<void> {
     await this.#measurement.run('accuracy', async (drawn, { image, ...options }) => {
       const take = (result: Pick<MeasuredAccuracy, 'table' | 'allSettingsMs'>, isCutShort: boolean) => {
         if (!options.signal.aborted) this.#take({ ...image, ...result, sweep, isCutShort });
       };
       const onTable = (table: AccuracyTable) => take({ table, allSettingsMs: null }, true);
-      take(await measureSweep(drawn, sweep, { ...options, onTable }), false);
+      const adapter = image.isSoftware ? 'software' : 'gpu';
+      take(await measureSweep(drawn, sweep, adapter, { ...options, onTable }), false);
       await this.#judge({ image, ...options });
     });
   }
@@ -155,8 +161,6 @@ function lacksChoice({ target, choice, status, scene }: ViewerState): boolean {
   return target !== null && choice === null && status === 'running' && scene !== null;
 }
 
-type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'combinations' | 'frames'>;
-
 /**
  * Measures the costs of presets, or of all settings, for a frame.
  *
@@ -164,25 +168,18 @@ type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'com
  */
 async function measureSweep(
   { engine, frame }: ShownFrame,
-  sweep: 'presets' | 'settings',
+  sweep: keyof typeof SWEEPS,
+  adapter: 'gpu' | 'software',
   options: Pick<MeasureAccuracyOptions, 'signal' | 'onProgress' | 'onTable'>,
 ): Promise<Pick<MeasuredAccuracy, 'table' | 'allSettingsMs'>> {
   const { countMeasureSteps, measureAccuracy } = await import('@websplatter/core/measure');
   const { camera, clouds, widthPx, heightPx, sortBy, detail } = frame;
-  const isSoftware = isSoftwareAdapter(engine.device.adapterInfo);
   const image = { clouds, cameras: [camera], widthPx, heightPx, sortBy, detail };
-  const asked = { ...image, ...sweepOptions(sweep, isSoftware) };
+  const asked = { ...image, ...SWEEPS[sweep][adapter] };
   const table = await measureAccuracy(engine, { ...asked, ...options });
   if (sweep === 'settings') return { table, allSettingsMs: null };
-  const all = countMeasureSteps({ ...image, ...sweepOptions('settings', isSoftware) });
+  const all = countMeasureSteps({ ...image, ...SWEEPS.settings[adapter] });
   return { table, allSettingsMs: (table.elapsedMs * all) / countMeasureSteps(asked) };
-}
-
-function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): SweepOptions {
-  const presets = sweep === 'presets' ? { settings: [], ablations: false } : {};
-  // Combinations of settings take many frames to find.
-  const combinations = sweep === 'settings' && !isSoftware;
-  return { ...presets, combinations, ...(isSoftware && { frames: SOFTWARE_FRAMES }) };
 }
 
 /**
