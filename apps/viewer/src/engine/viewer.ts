@@ -114,8 +114,8 @@ export class Viewer {
       linkedCamera: linked?.camera,
       linkedLooks: linked?.looks,
       keepAboveBytes: start.keepAboveBytes,
-      onClouds: () => this.#precisions.request(),
-      onShow: () => this.#drawing.request(),
+      requestPrecisions: () => this.#precisions.request(),
+      requestFrame: () => this.#drawing.request(),
     });
     this.#precisions = new Precisions({
       store,

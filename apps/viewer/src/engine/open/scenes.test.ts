@@ -44,6 +44,7 @@ const sessions = {
   whenStarted: async () => sessions.current!,
   recover: vi.fn(),
 };
+const requests = { requestPrecisions: () => {}, requestFrame: () => {} };
 
 beforeEach(() => {
   vi.stubGlobal('location', { href: 'https://example.org/' });
@@ -61,7 +62,7 @@ beforeEach(() => {
   store.setState({ widthPx: 300, heightPx: 200 });
   camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => true });
   sessions.recover.mockReset();
-  scenes = new Scenes({ store, sessions, camera, addressed: {}, onClouds: () => {}, onShow: () => {} });
+  scenes = new Scenes({ store, sessions, camera, addressed: {}, ...requests });
 });
 afterEach(() => {
   vi.unstubAllGlobals();
@@ -456,8 +457,7 @@ describe('The camera of a link', () => {
       camera,
       addressed: { scene },
       linkedCamera,
-      onClouds: () => {},
-      onShow: () => {},
+      ...requests,
     });
 
   it('looks at the scene of the link, and at no other', async () => {
@@ -616,7 +616,7 @@ describe('Several files', () => {
     const hrefs = () => scenes.cancelled.map((source) => source.kind === 'url' && source.url.href);
     loseSession();
     scenes = new Scenes({
-      ...{ store, sessions, camera, onClouds: () => {}, onShow: () => {} },
+      ...{ store, sessions, camera, ...requests },
       addressed: { addresses: [first, second, third] },
     });
     await startSession();
@@ -781,7 +781,7 @@ describe('Several files', () => {
     loseSession();
     loads.length = 0;
     scenes = new Scenes({
-      ...{ store, sessions, camera, onClouds: () => {}, onShow: () => {} },
+      ...{ store, sessions, camera, ...requests },
       addressed: { addresses: ['a.ply', 'b.ply'] },
       linkedLooks: ['opacity:0.25', 'move:1'],
     });

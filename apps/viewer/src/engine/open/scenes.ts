@@ -71,13 +71,10 @@ export interface ScenesOptions {
    * Looks of the URL's files in order, as links write them; by default files are drawn as saved.
    */
   readonly linkedLooks?: readonly string[];
-  /**
-   * Called when the newest scene has changed and its clouds need preparing. The camera still has
-   * the previous scene.
-   */
-  readonly onClouds: () => void;
-  /** Called when the newest scene is ready to be drawn. */
-  readonly onShow: () => void;
+  /** Has new clouds prepared as they are to be drawn. The camera still has the previous scene. */
+  readonly requestPrecisions: () => void;
+  /** Has the scene drawn with the next display refresh. */
+  readonly requestFrame: () => void;
 }
 
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
@@ -275,7 +272,7 @@ export class Scenes {
   showFrame(key: number, frame: number, cloud: SplatCloud): void {
     this.#changePart(key, (part) => ({ ...part, loaded: { ...part.loaded, frame, clouds: [{ cloud }] } }));
     // The cloud has the chosen accuracy's precisions already.
-    if (this.#options.store.getState().comparison) this.#options.onClouds();
+    if (this.#options.store.getState().comparison) this.#options.requestPrecisions();
   }
 
   #changePart(key: number, changed: (part: ShownPart) => ShownPart): void {
@@ -512,7 +509,7 @@ export class Scenes {
   }
 
   async #show(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): Promise<void> {
-    const { camera, store, onClouds, onShow } = this.#options;
+    const { camera, store, requestPrecisions, requestFrame } = this.#options;
     const { loaded } = part;
     const title = titleOf(part.source);
     this.#dropWaiting();
@@ -548,7 +545,7 @@ export class Scenes {
       });
     if (loaded.sampleFailure)
       void this.#fail(loaded.sampleFailure, title, `Only some splats of ${title} are shown`);
-    onClouds();
+    requestPrecisions();
     if (joins && this.#load.role === 'joins' && asked.look === null) this.#recordAddition(part);
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
@@ -559,7 +556,7 @@ export class Scenes {
       store.setState({ ...work, inspecting: withoutSplats(work.inspecting) });
       camera.restore(asked.left.camera);
     }
-    onShow();
+    requestFrame();
   }
 
   /** Undo takes a file that was added out of the scene again. */
@@ -609,7 +606,7 @@ export class Scenes {
    * one.
    */
   async #frameNewest(wishes?: FrameSceneOptions): Promise<boolean> {
-    const { camera, onShow } = this.#options;
+    const { camera, requestFrame } = this.#options;
     const scene = this.newest;
     if (!scene || scene.ownCameras) return false;
     this.#framing?.abort();
@@ -618,7 +615,7 @@ export class Scenes {
     const isFound = await this.#frame(scene, framing.signal, wishes);
     if (!isFound || this.newest !== scene || previewOf(this.#load)) return false;
     camera.follow(this.#framer.subjectOf(scene));
-    onShow();
+    requestFrame();
     return true;
   }
 
@@ -700,7 +697,7 @@ export class Scenes {
   }
 
   #showPreview(scene: ShownScene, asked: AskedPart, part: ShownPart): void {
-    const { camera, store, onShow } = this.#options;
+    const { camera, store, requestFrame } = this.#options;
     const before = previewOf(this.#load);
     const { camera: view, work } = before ?? {
       camera: this.newest && camera.snapshot(),
@@ -710,12 +707,12 @@ export class Scenes {
     this.#present(scene);
     const joins = scene.parts.length > 1;
     if (!before && !joins && !this.#isReopened(part)) this.#showFirstView(asked);
-    onShow();
+    requestFrame();
   }
 
   /** Shows the scene from before the preview. */
   #endPreview(): void {
-    const { store, camera, onShow } = this.#options;
+    const { store, camera, requestFrame } = this.#options;
     this.#dropWaiting();
     const preview = previewOf(this.#load);
     if (!preview) return;
@@ -726,7 +723,7 @@ export class Scenes {
     const hasJoined = preview.scene.parts.length > 1;
     if (preview.camera && !hasJoined) camera.restore(preview.camera);
     if (!hasJoined) store.setState(preview.work);
-    onShow();
+    requestFrame();
   }
 
   /** Shows the newest scene with fewer files, or with files that look different. */
@@ -754,13 +751,13 @@ export class Scenes {
   }
 
   #presentChanged(scene: ShownScene): void {
-    const { camera, store, onShow } = this.#options;
+    const { camera, store, requestFrame } = this.#options;
     camera.follow(this.#framer.subjectOf(scene));
     store.setState(({ inspecting }) => ({
       scene: summaryOf(scene, camera.ownCameraNames),
       inspecting: withoutSplats(inspecting),
     }));
-    onShow();
+    requestFrame();
   }
 
   #present(scene: ShownScene): void {
