@@ -23,7 +23,6 @@ import { contentKeyOf } from './content-key.ts';
 import type { LookFinder } from './first-look.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { loadScene } from './load-scene.ts';
-import { SceneFramer } from './scene-framer.ts';
 import {
   type AskedPart,
   added,
@@ -52,6 +51,7 @@ import {
   allClouds,
   type LoadedScene,
   type ReplacedScene,
+  SceneFramer,
   type ShownPart,
   type ShownScene,
   shownScene,

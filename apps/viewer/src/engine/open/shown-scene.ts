@@ -1,4 +1,13 @@
-import type { CloudInstance, DropCounts, DropReason, SplatCloud, SplatFileError } from '@websplatter/core';
+import {
+  type CloudInstance,
+  type DropCounts,
+  type DropReason,
+  type FrameSceneOptions,
+  frameScene,
+  type SceneFraming,
+  type SplatCloud,
+  type SplatFileError,
+} from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../../camera/scene-bounds.ts';
 import type { CameraSubject } from '../../camera/view-camera.ts';
 import type { CameraSnapshot } from '../../state/saved-view.ts';
@@ -138,6 +147,49 @@ export function cloudKey(partKey: number, index: number): string {
 /** The axis that mostly points up in the scene's files. */
 export function ownUp({ isUpsideDown }: SceneFrame): UpAxis {
   return isUpsideDown ? '-y' : 'y';
+}
+
+interface FramedScene {
+  /** Null if no splat can be seen. */
+  readonly framing: SceneFraming | null;
+  /** False after files were added, hidden or moved. */
+  readonly isCurrent: boolean;
+}
+
+/** Computes and caches the first views of scenes. */
+export class SceneFramer {
+  readonly #found = new WeakMap<ShownScene, FramedScene>();
+
+  /** @throws as `frameScene`. */
+  async frame(scene: ShownScene, options: FrameSceneOptions): Promise<void> {
+    const framing = await frameScene(scene.clouds, options);
+    this.#found.set(scene, { framing, isCurrent: true });
+  }
+
+  /**
+   * Reuses the first view of `scene` for `next`. If `isCurrent` is false, it stays the way the
+   * scene began, without fitting its present parts.
+   */
+  keep(scene: ShownScene, next: ShownScene, isCurrent: boolean): void {
+    const found = this.#found.get(scene);
+    if (found) this.#found.set(next, { framing: found.framing, isCurrent: isCurrent && found.isCurrent });
+  }
+
+  isCurrent(scene: ShownScene): boolean {
+    return this.#found.get(scene)?.isCurrent ?? false;
+  }
+
+  framingOf(scene: ShownScene): SceneFraming | null {
+    return this.#found.get(scene)?.framing ?? null;
+  }
+
+  /** The scene data that the camera needs. */
+  subjectOf(scene: ShownScene): CameraSubject {
+    const framing = this.framingOf(scene);
+    const detail =
+      framing && this.isCurrent(scene) ? { center: framing.center, radius: framing.radius } : null;
+    return { ...scene, framing, detail };
+  }
 }
 
 export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneSummary {
