@@ -45,7 +45,7 @@ import {
   waitingOf,
   waits,
   workOn,
-} from './scene-load.ts';
+} from './load-states.ts';
 import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 import {
   allClouds,

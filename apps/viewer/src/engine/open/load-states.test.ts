@@ -22,7 +22,7 @@ import {
   type WaitingPreview,
   waitingOf,
   waits,
-} from './scene-load.ts';
+} from './load-states.ts';
 import type { ShownScene } from './shown-scene.ts';
 
 const session = {} as Session;
