@@ -4,7 +4,7 @@ import { FITTED_PART, FittedScene } from './fitted-scene.ts';
 import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import type { SceneKind } from './scene-framing.ts';
-import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
+import { type TrialPicture, type TrialShape, TrialViews } from './trial-view.ts';
 
 /** Splats that trial pictures draw: of all candidates, of an object from above and below, of the best. */
 const FEW = 2048;
@@ -62,7 +62,7 @@ export interface SharedViews {
   readonly many: TrialViews;
 }
 
-export function sharedViews(detail: SceneDetail, shape: FrameShape): SharedViews {
+export function sharedViews(detail: SceneDetail, shape: TrialShape): SharedViews {
   const [few, some, many] = [FEW, SOME, MANY].map((splats) => new TrialViews(detail, splats, shape));
   return { few, some, many };
 }
@@ -72,13 +72,13 @@ export class CameraTrial {
   readonly up: Vec3;
   readonly #x: Vec3;
   readonly #z: Vec3;
-  readonly #shape: FrameShape;
+  readonly #shape: TrialShape;
   readonly #views: SharedViews;
   readonly #fitted: FittedScene;
   /** Elevation from which the scene is seen best, in radians. */
   readonly #bestElevation: number;
 
-  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape, views: SharedViews) {
+  constructor(detail: SceneDetail, up: Vec3, shape: TrialShape, views: SharedViews) {
     this.up = up;
     this.#x = unit(cross(up, Math.abs(up[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
     this.#z = cross(this.#x, up);

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../data/math/mat4.ts';
 import { cross, dot, negated, plus, scaled, unit } from '../data/math/vec3.ts';
 import type { SceneDetail } from './scene-detail.ts';
-import type { FrameShape } from './trial-view.ts';
+import type { TrialShape } from './trial-view.ts';
 import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats by which distances are fitted. */
@@ -21,7 +21,7 @@ const UNDERFOOT = 0.35;
 /** Where cameras have to stand to have a scene in the frame, by a part of its splats. */
 export class FittedScene {
   readonly #up: Vec3;
-  readonly #shape: FrameShape;
+  readonly #shape: TrialShape;
   readonly #count: number;
   readonly #x: Float64Array;
   readonly #y: Float64Array;
@@ -33,7 +33,7 @@ export class FittedScene {
   readonly #scratch: Float64Array;
   readonly #ones: Float64Array;
 
-  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape) {
+  constructor(detail: SceneDetail, up: Vec3, shape: TrialShape) {
     const step = Math.max(1, Math.floor(detail.count / FITTED));
     const count = Math.ceil(detail.count / step);
     const of = (value: (i: number) => number) =>

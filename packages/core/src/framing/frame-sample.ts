@@ -14,7 +14,7 @@ import { log, sinCos } from './portable-math.ts';
 import type { SplatSample } from './samples.ts';
 import { type SceneDetail, sceneDetail } from './scene-detail.ts';
 import type { FramingWishes, SceneFraming, SceneKind } from './scene-framing.ts';
-import type { FrameShape } from './trial-view.ts';
+import type { TrialShape } from './trial-view.ts';
 
 /** A scene of which less is seen around it when one looks outwards is an object. */
 const OBJECT_AROUND = 0.15;
@@ -83,7 +83,7 @@ interface ChosenCamera {
 /** Chooses the trial camera whose picture scores best: sharp, unhidden and within the frame. */
 function chooseCamera(
   detail: SceneDetail,
-  shape: FrameShape,
+  shape: TrialShape,
   { aspect, up, usualUp, kind: wantedKind }: FramingWishes,
 ): ChosenCamera {
   const views = sharedViews(detail, shape);

@@ -36,20 +36,20 @@ export function checkFramingOptions({ aspect = 1, fovYDegrees = 50, up, kind }: 
 /**
  * The facts of one file's splats, and their model matrix to world space: 16 numbers, column-major.
  */
-export interface FramedPart {
+export interface FramedCloud {
   readonly facts: Pick<CloudFacts, 'fileFacts'>;
   readonly matrix: ArrayLike<number>;
 }
 
 /** The wishes of checked options; `parts` has at least one entry. */
-export function framingWishes(parts: readonly FramedPart[], options: FramingOptions): FramingWishes {
+export function framingWishes(parts: readonly FramedCloud[], options: FramingOptions): FramingWishes {
   const { aspect = 1.6, fovYDegrees = 50, kind = null, up } = options;
   return { aspect, fovYDegrees, kind, ...upOf(parts, up) };
 }
 
 /** The defined up direction, null if it must be estimated, and the usual one. */
-function upOf(parts: readonly FramedPart[], up: Vec3 | undefined): Pick<FramingWishes, 'up' | 'usualUp'> {
-  const inWorld = ({ facts, matrix }: FramedPart) => turned(fileUp(facts) ?? USUAL_UP, linearPart(matrix));
+function upOf(parts: readonly FramedCloud[], up: Vec3 | undefined): Pick<FramingWishes, 'up' | 'usualUp'> {
+  const inWorld = ({ facts, matrix }: FramedCloud) => turned(fileUp(facts) ?? USUAL_UP, linearPart(matrix));
   const isDefined = parts.every(({ facts }) => fileUp(facts) !== null);
   const usualUp = inWorld(parts[0]);
   if (up) return { up: unit([up[0], up[1], up[2]]) ?? usualUp, usualUp };

@@ -9,7 +9,7 @@ import type { SplatSet } from '../data/splats/splat-set.ts';
 import { frameSample } from './frame-sample.ts';
 import {
   checkFramingOptions,
-  type FramedPart,
+  type FramedCloud,
   type FramingOptions,
   framingWishes,
 } from './framing-wishes.ts';
@@ -21,7 +21,7 @@ import { decodeSamples } from './splat-decoder.ts';
 const STRIDE = GEOMETRY_WORDS.f32;
 
 /** The kept splats of one set. */
-interface KeptPart extends FramedPart {
+interface KeptCloud extends FramedCloud {
   readonly origin: SampledSplats['origin'];
   /** Index of the first kept splat among all added ones, a multiple of the step. */
   readonly first: number;
@@ -38,7 +38,7 @@ interface KeptPart extends FramedPart {
  * const up = framer.frame()?.up;
  */
 export class SplatFramer {
-  #parts: KeptPart[] = [];
+  #parts: KeptCloud[] = [];
   /** Added splats. */
   #count = 0;
   /** Sampling stride: every `#step`-th splat is kept. */

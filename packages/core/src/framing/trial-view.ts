@@ -55,7 +55,7 @@ export interface TrialPicture {
   readonly depth: number;
 }
 
-export interface FrameShape {
+export interface TrialShape {
   /** Tangents of half the field of view. */
   readonly tangentX: number;
   readonly tangentY: number;
@@ -68,7 +68,7 @@ export class TrialViews {
   readonly #columns: readonly Float64Array[];
   readonly #totalDetail: number;
   readonly #totalInterest: number;
-  readonly #shape: FrameShape;
+  readonly #shape: TrialShape;
   readonly #grid: { readonly columns: number; readonly rows: number };
   readonly #middleWeights: Float64Array;
   /** By splat that is drawn. */
@@ -92,7 +92,7 @@ export class TrialViews {
   readonly #background: Float64Array;
 
   /** @param most largest number of splats to draw, taken evenly from the detail's. */
-  constructor(detail: SceneDetail, most: number, shape: FrameShape) {
+  constructor(detail: SceneDetail, most: number, shape: TrialShape) {
     const step = Math.max(1, Math.floor(detail.count / most));
     const count = Math.ceil(detail.count / step);
     const of = (value: (i: number) => number) =>

@@ -65,7 +65,7 @@ export function numbered(
         const packed = await decoded.pack(parts, packSignal);
         return packed.map((pieces, i) => {
           const number = numberOf(parts[i].leaf, parts[i].level);
-          return pieces.map((piece) => ({ ...piece, rows: piece.rows.map(() => number) }));
+          return pieces.map((piece) => ({ ...piece, fileIndices: piece.fileIndices.map(() => number) }));
         });
       },
     };

@@ -57,7 +57,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
   /** Result of the last plan; null once views or the bricks on the GPU have changed. */
   #lacking: readonly MissingBrick[] | null = null;
   /** Bricks that views would draw now. */
-  #missing: readonly MissingBrick[] = [];
+  #needed: readonly MissingBrick[] = [];
   /** Whether there is a free slot for each brick of `#lacking`. */
   #haveSlots = false;
   /** By brick number. */
@@ -102,7 +102,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
     const lowest = lacking.filter(({ above }) => above.brick.level === 1).length;
     const upper = lacking.length - lowest;
     this.#haveSlots = lowest <= this.#pool.freeSlots(0) && upper <= this.#pool.freeSlots(1);
-    this.#missing = missing.filter(({ isNeeded }) => isNeeded);
+    this.#needed = missing.filter(({ isNeeded }) => isNeeded);
     return missing;
   }
 
@@ -111,7 +111,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
     if (!this.#lacking) return;
     const isMissing = ({ above }: MissingBrick) => !above.below;
     this.#lacking = this.#lacking.filter(isMissing);
-    this.#missing = this.#missing.filter(isMissing);
+    this.#needed = this.#needed.filter(isMissing);
   }
 
   #replan({ sights, predicted }: Sights): void {
@@ -267,16 +267,16 @@ export class BrickParts implements SceneParts<MissingBrick> {
   report(): ReturnType<SceneParts<MissingBrick>['report']> {
     const { lowest, upper } = this.#pool.slots;
     const mostBricks = lowest + upper;
-    const refused = this.#missing.filter(({ fits }) => !fits).length;
+    const refused = this.#needed.filter(({ fits }) => !fits).length;
     return {
       bricks: this.#scene.brickCount,
       residentBricks: mostBricks - this.#pool.freeSlots(0) - this.#pool.freeSlots(1),
       mostBricks,
-      missingBricks: this.#missing.length,
+      missingBricks: this.#needed.length,
       refusedBricks: refused,
       fetchedBytes: this.#fetchedBytes,
       keptBytes: 0,
-      isComplete: this.#missing.length === refused,
+      isComplete: this.#needed.length === refused,
     };
   }
 
@@ -285,7 +285,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
   }
 
   lackingCells(): Set<number> {
-    return new Set(this.#missing.map(({ above }) => above.cell));
+    return new Set(this.#needed.map(({ above }) => above.cell));
   }
 
   /**

@@ -298,8 +298,8 @@ export class BrickPool extends ScenePool {
         const start = this.#firstCell(kind, slot);
         if (kind === 'lowest') {
           const first = CHUNK_SPLATS * CELL_CHILDREN * brick.slot;
-          const rows = before.pages.rows.subarray(first, first + CHUNK_SPLATS * brick.cells.length);
-          this.pages.keepRows(rows, start);
+          const end = first + CHUNK_SPLATS * brick.cells.length;
+          this.pages.keepFileIndices(before.pages.fileIndices.subarray(first, end), start);
         }
         brick.slot = slot;
         for (const [i, cell] of brick.cells.entries()) cell.cell = start + i;

@@ -64,7 +64,7 @@ function squareScene(): { scene: BrickScene; reads: () => number } {
       };
     });
     const none = new Uint32Array(0);
-    return { level, cells, geometry: none, harmonics: none, rows: none };
+    return { level, cells, geometry: none, harmonics: none, fileIndices: none };
   };
   const bounds = { min: [-64, -1, -64], max: [64, 1, 64] } as const;
   const scene: BrickScene = {

@@ -243,7 +243,7 @@ export class LeafPool extends ScenePool {
       {
         geometry: words(({ geometry }) => geometry, GEOMETRY_WORDS.packed),
         harmonics: words(({ harmonics }) => harmonics, shBytes(this.scene.shDegree) / 4),
-        rows: words(({ rows }) => rows, 1),
+        fileIndices: words(({ fileIndices }) => fileIndices, 1),
       },
       first,
     );
@@ -273,9 +273,9 @@ export class LeafPool extends ScenePool {
   #takeOver(before: LeafPool, moves: ReadonlyMap<PlacedSplats, readonly MovedRun[]>): void {
     for (const [placed, runs] of moves) {
       for (const { cells, from, to, count } of runs) {
-        const rows = before.pages.rows.subarray(CHUNK_SPLATS * from, CHUNK_SPLATS * (from + count));
+        const [start, end] = [CHUNK_SPLATS * from, CHUNK_SPLATS * (from + count)];
         this.writeCells(cells, to, noParent);
-        this.pages.keepRows(rows, to);
+        this.pages.keepFileIndices(before.pages.fileIndices.subarray(start, end), to);
         this.pages.writeCells(cells, to);
         this.#isTaken.fill(1, to, to + count);
       }

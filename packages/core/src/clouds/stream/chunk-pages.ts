@@ -102,13 +102,13 @@ export class ChunkPages {
   #planes: CloudPlanes;
   #splatLinks: readonly GPUBuffer[] = [];
   #blobPages: readonly BlobPage[] = [];
-  #rows = new Uint32Array(0);
+  #fileIndices = new Uint32Array(0);
   #words = new Float32Array(0);
   #isGivenAway = false;
 
   /**
    * @param before the pages that these replace, without blobs, and the chunks to copy. The caller
-   *   then calls `keepRows` and `writeCells` for each, and merges its blobs again.
+   *   then calls `keepFileIndices` and `writeCells` for each, and merges its blobs again.
    */
   constructor(
     context: DispatchContext,
@@ -128,7 +128,7 @@ export class ChunkPages {
     this.#addLinks(ranges);
   }
 
-  /** Adds empty chunks, in pages of their own: `planes`, `rows` and others are new objects then. */
+  /** Adds empty chunks, in pages of their own: `planes`, `fileIndices` and others are new objects then. */
   add(chunkCount: number): void {
     const ranges = this.#addRanges(chunkCount);
     this.#planes = this.#planesWith(ranges, this.#planes);
@@ -148,8 +148,8 @@ export class ChunkPages {
   }
 
   /** Row in the file per splat slot. */
-  get rows(): Uint32Array<ArrayBuffer> {
-    return this.#rows;
+  get fileIndices(): Uint32Array<ArrayBuffer> {
+    return this.#fileIndices;
   }
 
   get chunkCount(): number {
@@ -211,9 +211,9 @@ export class ChunkPages {
       this.#splatLinks = [...this.#splatLinks, links];
       this.#blobPages = [...this.#blobPages, blobs];
     }
-    const [rows, words] = [this.#rows, this.#words];
-    this.#rows = new Uint32Array(CHUNK_SPLATS * this.#chunkCount);
-    this.#rows.set(rows);
+    const [fileIndices, words] = [this.#fileIndices, this.#words];
+    this.#fileIndices = new Uint32Array(CHUNK_SPLATS * this.#chunkCount);
+    this.#fileIndices.set(fileIndices);
     this.#words = new Float32Array(CHUNK_WORDS.count * this.#chunkCount);
     this.#words.set(words);
     this.#isGivenAway = false;
@@ -250,18 +250,18 @@ export class ChunkPages {
   }
 
   /** Writes splats to the chunks from `first` on, of one page. `writeCells` must follow. */
-  writeSplats({ geometry, harmonics, rows }: Omit<SplatCells, 'cells'>, first: number): void {
+  writeSplats({ geometry, harmonics, fileIndices }: Omit<SplatCells, 'cells'>, first: number): void {
     const { queue } = this.#context.device;
     const { page, chunk } = this.#placeOf(first);
     const { geometry: splats, shRest } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
     queue.writeBuffer(splats, 4 * SPLAT_WORDS * CHUNK_SPLATS * chunk, geometry);
     if (shRest) queue.writeBuffer(shRest, shBytes(this.#of.scene.shDegree) * CHUNK_SPLATS * chunk, harmonics);
-    this.keepRows(rows, first);
+    this.keepFileIndices(fileIndices, first);
   }
 
-  /** Sets the rows of splats from the chunk `first` on. */
-  keepRows(rows: Uint32Array<ArrayBuffer>, first: number): void {
-    this.#rows.set(rows, CHUNK_SPLATS * first);
+  /** Sets the file indices of splats from the chunk `first` on. */
+  keepFileIndices(fileIndices: Uint32Array<ArrayBuffer>, first: number): void {
+    this.#fileIndices.set(fileIndices, CHUNK_SPLATS * first);
   }
 
   /**

@@ -164,7 +164,7 @@ export abstract class ScenePool implements Levels, CloudPool {
     const { result: pool, checked } = memory.guard(this.scene.name, POOL_ADVICE, make);
     const cloud = this.#cloud!;
     pool.#cloud = cloud;
-    cloud.takePool(pool, { planes: pool.pages.planes, fileIndices: pool.pages.rows }, checked);
+    cloud.takePool(pool, { planes: pool.pages.planes, fileIndices: pool.pages.fileIndices }, checked);
     return pool;
   }
 
@@ -178,9 +178,9 @@ export abstract class ScenePool implements Levels, CloudPool {
     const { name, shDegree } = this.scene;
     if (chunkCount * chunkBytes(shDegree) > memory.availableBytes) return false;
     const { checked } = memory.guard(name, POOL_ADVICE, () => this.pages.add(chunkCount));
-    const { planes, rows } = this.pages;
+    const { planes, fileIndices } = this.pages;
     this.#blobPages = [...this.pages.blobPages, this.upperPage];
-    this.#cloud?.takePool(this, { planes, fileIndices: rows }, checked);
+    this.#cloud?.takePool(this, { planes, fileIndices }, checked);
     return true;
   }
 
@@ -203,7 +203,7 @@ export abstract class ScenePool implements Levels, CloudPool {
       bounds,
       robustBounds,
       dropped: {},
-      fileIndices: this.pages.rows,
+      fileIndices: this.pages.fileIndices,
       facts,
       chunks: this.chunks,
       precision: STREAM_PRECISION,

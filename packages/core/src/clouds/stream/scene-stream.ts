@@ -139,7 +139,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
   /** Missing parts of the last plan: the same array while nothing has changed. */
   #planned: readonly Part[] = [];
   /** The same by number. */
-  #missing: ReadonlyMap<number, Part> = new Map();
+  #plannedByNumber: ReadonlyMap<number, Part> = new Map();
   /** By number of the part, until it is settled. */
   readonly #fetches = new Map<number, Fetch>();
   readonly #rate = new FetchRate();
@@ -212,7 +212,8 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
   #update(): void {
     if (this.#isEnded) return;
     const missing = this.#parts.plan(this.#viewers);
-    if (missing !== this.#planned) this.#missing = new Map(missing.map((part) => [part.number, part]));
+    if (missing !== this.#planned)
+      this.#plannedByNumber = new Map(missing.map((part) => [part.number, part]));
     this.#planned = missing;
     const isFetching = this.#fetchMissing();
     this.#onUpdated(!isFetching);
@@ -225,7 +226,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
    * fetches. Returns whether parts that views lack are to be fetched, or being fetched.
    */
   #fetchMissing(): boolean {
-    for (const [number, { ending }] of this.#fetches) if (!this.#missing.has(number)) ending.abort();
+    for (const [number, { ending }] of this.#fetches) if (!this.#plannedByNumber.has(number)) ending.abort();
     if (this.#error) return this.#fetches.size > 0;
     const areNeededFetched = () => !this.#planned.some((part) => part.isNeeded && this.#mayFetch(part));
     this.#fetchInOrder(true, this.#neededFetches);
@@ -240,7 +241,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
 
   /** Fetches of parts that views need now, and aborted fetches that have not ended. */
   get #neededFetches(): readonly Fetch[] {
-    const isNeeded = (number: number) => this.#missing.get(number)?.isNeeded;
+    const isNeeded = (number: number) => this.#plannedByNumber.get(number)?.isNeeded;
     return [...this.#fetches].flatMap(([number, fetch]) =>
       fetch.ending.signal.aborted || isNeeded(number) ? fetch : [],
     );
@@ -255,7 +256,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     let places = MOST_FETCHED - others.length;
     const mayFetch = (part: Part) => (part.isNeeded || !areNeeded) && this.#mayFetch(part);
     const partAt = (number: number) => {
-      const part = this.#missing.get(number);
+      const part = this.#plannedByNumber.get(number);
       return part && mayFetch(part) ? part : null;
     };
     for (const first of this.#planned) {

@@ -22,7 +22,7 @@ export interface Brick {
   /** u8 harmonics of the same leaves; empty at degree 0. */
   readonly harmonics: Uint32Array<ArrayBuffer>;
   /** Row of each leaf in the files that the scene was made of; empty above level 0. */
-  readonly rows: Uint32Array<ArrayBuffer>;
+  readonly fileIndices: Uint32Array<ArrayBuffer>;
 }
 
 export interface BrickCell {

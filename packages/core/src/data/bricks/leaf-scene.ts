@@ -92,7 +92,7 @@ export interface LeafFile {
 }
 
 /** Packed splats in cells. The splats of each cell begin at a multiple of 256. */
-export type SplatCells = Pick<Brick, 'cells' | 'geometry' | 'harmonics' | 'rows'>;
+export type SplatCells = Pick<Brick, 'cells' | 'geometry' | 'harmonics' | 'fileIndices'>;
 
 /** Row of a splat that has none, because a load of the finest levels alone does not contain it. */
 export const NO_ROW = 0xffffffff;

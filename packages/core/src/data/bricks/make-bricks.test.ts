@@ -147,10 +147,10 @@ describe('brickSceneOf', () => {
       const count = brick.cells.length * CHUNK_SPLATS;
       expect(brick.geometry.length).toBe(count * (brick.level === 0 ? 8 : 16));
       expect(brick.harmonics.length).toBe(0);
-      expect(brick.rows.length).toBe(brick.level === 0 ? count : 0);
+      expect(brick.fileIndices.length).toBe(brick.level === 0 ? count : 0);
       for (const [i, cell] of brick.cells.entries()) {
         if (brick.level === 0) {
-          for (let k = 0; k < cell.leafCount; k++) rows[brick.rows[CHUNK_SPLATS * i + k]]++;
+          for (let k = 0; k < cell.leafCount; k++) rows[brick.fileIndices[CHUNK_SPLATS * i + k]]++;
           continue;
         }
         expect(cell.logScales).toEqual([0, 0]);
@@ -173,7 +173,7 @@ describe('brickSceneOf', () => {
     expect(root).toMatchObject({ level: 0, cells: [{ leafCount: 20, child: null, childErrors: [] }] });
     const expected = new Float64Array(45);
     for (const [i, { coefficients }] of leavesOf(root, 0, 3).entries()) {
-      readCoefficients(set.harmonics, root.rows[i], expected);
+      readCoefficients(set.harmonics, root.fileIndices[i], expected);
       expectNear(coefficients, [...expected], 0.6 * (Math.max(...expected.map(Math.abs)) / 127));
     }
     expect(root.geometry.subarray(20 * 8).every((word) => word === 0)).toBe(true);

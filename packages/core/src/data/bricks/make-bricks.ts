@@ -82,7 +82,7 @@ export class MadeBricks {
       cells,
       geometry: leavesOf(geometry, BLOB_WORDS),
       harmonics: leavesOf(harmonics, this.#shWords),
-      rows: new Uint32Array(0),
+      fileIndices: new Uint32Array(0),
     };
   }
 
@@ -117,7 +117,7 @@ export class MadeBricks {
     };
   }
 
-  #splatsOf(first: number, end: number): Pick<Brick, 'geometry' | 'harmonics' | 'rows'> {
+  #splatsOf(first: number, end: number): Pick<Brick, 'geometry' | 'harmonics' | 'fileIndices'> {
     const { count, geometry, harmonics, fileIndices } = this.cloud;
     const [from, to] = [CHUNK_SPLATS * first, Math.min(CHUNK_SPLATS * end, count)];
     const places = CHUNK_SPLATS * (end - first);
@@ -138,7 +138,11 @@ export class MadeBricks {
         packCoefficients(degree, BLOB_PRECISION.shPrecision, values, packed, (i - from) * shWords);
       }
     }
-    return { geometry: copied(geometry.words, SPLAT_WORDS), harmonics: packed, rows: copied(fileIndices, 1) };
+    return {
+      geometry: copied(geometry.words, SPLAT_WORDS),
+      harmonics: packed,
+      fileIndices: copied(fileIndices, 1),
+    };
   }
 }
 

@@ -1,7 +1,7 @@
 /** Bytes between two checks of the abort signal. */
 const PIECE_BYTES = 1 << 18;
 
-export interface PackOptions {
+export interface PackGzipOptions {
   readonly signal?: AbortSignal;
   /** Called with the packed fraction, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
@@ -12,7 +12,7 @@ type Put = (bytes: Uint8Array<ArrayBuffer>) => Promise<void>;
 /** Packs bytes as a gzip stream (RFC 1952). Rejects with the signal's reason once it aborts. */
 export async function packGzip(
   bytes: Uint8Array<ArrayBuffer>,
-  { signal, onProgress }: PackOptions,
+  { signal, onProgress }: PackGzipOptions,
 ): Promise<Uint8Array<ArrayBuffer>> {
   return collected('gzip', async (put) => {
     for (let at = 0; at < bytes.length; at += PIECE_BYTES) {

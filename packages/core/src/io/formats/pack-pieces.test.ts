@@ -26,7 +26,7 @@ test('splats are packed in full chunks, each with its row and its harmonics', as
     [...Array(15).fill(256), 254],
     [256, 256, 256, 136],
   ]);
-  const rows = pieces.flatMap(({ rows, harmonics, cells }) => {
+  const rows = pieces.flatMap(({ fileIndices: rows, harmonics, cells }) => {
     const count = cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
     const words = harmonics.length / rows.length;
     for (let i = 0; i < count; i++) expect(harmonics[words * i]).toBe(rows[i]);

@@ -93,8 +93,8 @@ function packColumns({ count, shDegree, rows, values, words }: CellColumns): Spl
   const order = mortonOrder(positions, count, mortonFrame(min, max));
   const ordered = (slot: number, slots: number) => column(slot, slots, order);
   const places = CHUNK_SPLATS * chunkCountOf(count);
-  const placedRows = new Uint32Array(places);
-  for (let i = 0; i < count; i++) placedRows[i] = rows[order[i]];
+  const fileIndices = new Uint32Array(places);
+  for (let i = 0; i < count; i++) fileIndices[i] = rows[order[i]];
   const { words: packed, chunks } = packGeometry(
     {
       count,
@@ -104,7 +104,7 @@ function packColumns({ count, shDegree, rows, values, words }: CellColumns): Spl
       rotations: ordered(rotation, 4),
       opacityLogits: ordered(opacity, 1),
       colorDc: ordered(colorDc, 3),
-      fileIndices: placedRows,
+      fileIndices,
       dropped: {},
     },
     'packed',
@@ -116,7 +116,7 @@ function packColumns({ count, shDegree, rows, values, words }: CellColumns): Spl
   for (let i = 0; i < count; i++)
     for (let k = 0; k < shWords; k++) harmonics[i * shWords + k] = words[order[i] * shWords + k];
   const cells = Array.from({ length: chunkCountOf(count) }, (_, chunk) => cellOf(chunks, chunk, count));
-  return { cells, geometry, harmonics, rows: placedRows };
+  return { cells, geometry, harmonics, fileIndices };
 }
 /** Bounds and other facts of the cell of a chunk. */
 function cellOf(chunks: Float32Array, chunk: number, count: number): SplatCells['cells'][number] {

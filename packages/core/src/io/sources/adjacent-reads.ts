@@ -1,6 +1,6 @@
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { onAbort } from '../../data/on-abort.ts';
-import { endOf, type FilePart } from './remote-file.ts';
+import { type ByteRange, endOf } from './remote-file.ts';
 
 /** A read that waits for its part. */
 interface WaitingRead<Part, Result> {
@@ -15,7 +15,7 @@ interface WaitingRead<Part, Result> {
  *
  * @param signal aborts once no caller waits for any part.
  */
-export type ReadRun<Part extends FilePart, Result> = (
+export type ReadRun<Part extends ByteRange, Result> = (
   run: readonly WaitingRead<Part, Result>[],
   signal: AbortSignal,
 ) => Promise<void>;
@@ -25,7 +25,7 @@ interface AskedRead<Part, Result> extends WaitingRead<Part, Result> {
 }
 
 /** Joins reads of adjacent parts of a file that are made in the same turn. */
-export class AdjacentReads<Part extends FilePart, Result> {
+export class AdjacentReads<Part extends ByteRange, Result> {
   readonly #readRun: ReadRun<Part, Result>;
   /** Reads of the current turn, not yet requested. */
   #asked: AskedRead<Part, Result>[] = [];

@@ -5,7 +5,7 @@ import { shortName } from './known-source.ts';
 import { addressOf, checkRequest, Transfer } from './open-url.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
-import { askFor, type FilePart, factsOf, noParts, PARTIAL_CONTENT, RemoteFile } from './remote-file.ts';
+import { askFor, type ByteRange, factsOf, noParts, PARTIAL_CONTENT, RemoteFile } from './remote-file.ts';
 import type { ReadOptions } from './splat-source.ts';
 
 /** Largest file to keep in memory if a server ignores range requests. */
@@ -39,7 +39,7 @@ export async function openUrlRanges(
   const remote = { name, url: href, request: checked, facts: answer && factsOf(answer.headers) };
   const file = new RemoteFile(remote);
   const first = await file.receive(transfer, 0, firstBytes, signal, answer);
-  const reads = new AdjacentReads<FilePart, Uint8Array<ArrayBuffer>>((run, end) => {
+  const reads = new AdjacentReads<ByteRange, Uint8Array<ArrayBuffer>>((run, end) => {
     const parts = run.map(({ part }) => part);
     return requests.run(() => file.readRun(parts, end, (i, bytes) => run[i].resolve(bytes)), end);
   });

@@ -112,7 +112,7 @@ export class Transfer {
       failure,
     );
     const isPart = response.status === 206;
-    const now = isPart ? partOf(response.headers) : { ...factsOf(response.headers), startsAt: 0 };
+    const now = isPart ? rangeOf(response.headers) : { ...factsOf(response.headers), startsAt: 0 };
     const { startsAt } = now;
     const isSame =
       now.validator === validator &&
@@ -226,7 +226,7 @@ interface AnswerFacts {
 }
 
 /** Facts from a partial response. */
-export interface PartFacts extends AnswerFacts {
+export interface RangeFacts extends AnswerFacts {
   /** First byte of the range; null if not stated. */
   readonly startsAt: number | null;
 }
@@ -241,7 +241,7 @@ function factsOf(headers: Headers): AnswerFacts {
   return { validator: validatorOf(headers), totalBytes: lengthOf(headers) };
 }
 
-export function partOf(headers: Headers): PartFacts {
+export function rangeOf(headers: Headers): RangeFacts {
   const [, start, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('content-range') ?? '') ?? [];
   const totalBytes = total === undefined || total === '*' ? undefined : Number(total);
   return { ...factsOf(headers), totalBytes, startsAt: start === undefined ? null : Number(start) };

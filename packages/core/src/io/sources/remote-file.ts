@@ -1,16 +1,16 @@
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { ByteReader } from './byte-reader.ts';
-import { bodyOf, cancelBody, isPacked, type PartFacts, partOf, Transfer } from './open-url.ts';
+import { bodyOf, cancelBody, isPacked, type RangeFacts, rangeOf, Transfer } from './open-url.ts';
 import type { RequestOptions } from './splat-source.ts';
 
 /** A range of bytes of a file. */
-export interface FilePart {
+export interface ByteRange {
   readonly offset: number;
   readonly bytes: number;
 }
 
-export function endOf({ offset, bytes }: FilePart): number {
+export function endOf({ offset, bytes }: ByteRange): number {
   return offset + bytes;
 }
 
@@ -18,7 +18,7 @@ export function endOf({ offset, bytes }: FilePart): number {
 export const PARTIAL_CONTENT = 206;
 const NO_SUCH_RANGE = 416;
 
-interface FileFacts extends PartFacts {
+interface FileFacts extends RangeFacts {
   /** A tag that differs only if the file has changed; equal tags prove nothing. Null if there is none. */
   readonly version: string | null;
 }
@@ -57,7 +57,7 @@ export class RemoteFile {
    *   fewer than the part has if the file ends before.
    */
   async readRun(
-    parts: readonly FilePart[],
+    parts: readonly ByteRange[],
     signal: AbortSignal | undefined,
     give: (index: number, bytes: Uint8Array<ArrayBuffer>) => void,
   ): Promise<void> {
@@ -151,7 +151,7 @@ export class RemoteFile {
 }
 
 export function factsOf(headers: Headers): FileFacts {
-  return { ...partOf(headers), version: headers.get('etag') ?? headers.get('last-modified') };
+  return { ...rangeOf(headers), version: headers.get('etag') ?? headers.get('last-modified') };
 }
 
 /** Copies `bytes` into a buffer of at least `least` and at most `most` bytes. */

@@ -357,7 +357,7 @@ class BrickMaker {
     childErrors?: Uint16Array,
   ): Promise<void> {
     await this.#turns.give();
-    const brick = { ...leavesOfBrick, level: this.#level, rows: new Uint32Array(0) };
+    const brick = { ...leavesOfBrick, level: this.#level, fileIndices: new Uint32Array(0) };
     const degree = this.#degree;
     const packed = Promise.all([
       this.#pack(encodeGeometry(brick)),

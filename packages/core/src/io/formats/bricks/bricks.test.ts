@@ -123,7 +123,9 @@ describe('a file of bricks', () => {
     }
     const rows = bricks.flatMap(({ brick }) =>
       brick.cells.flatMap(({ leafCount }, cell) =>
-        Array.from(brick.rows.subarray(CHUNK_SPLATS * cell).subarray(0, brick.level === 0 ? leafCount : 0)),
+        Array.from(
+          brick.fileIndices.subarray(CHUNK_SPLATS * cell).subarray(0, brick.level === 0 ? leafCount : 0),
+        ),
       ),
     );
     expect(rows).toEqual(Array.from({ length: count }, (_, i) => i));

@@ -114,14 +114,14 @@ function packBrick({ header, leaves, coefficients }: DecodedBrick, degree: ShDeg
       cells: blobCells,
       geometry: packBlobs(leaves, places),
       harmonics,
-      rows: new Uint32Array(0),
+      fileIndices: new Uint32Array(0),
     };
   }
-  const rows = new Uint32Array(places);
-  for (let i = 0; i < count; i++) rows[i] = CHUNK_SPLATS * first + i;
+  const fileIndices = new Uint32Array(places);
+  for (let i = 0; i < count; i++) fileIndices[i] = CHUNK_SPLATS * first + i;
   const { words, chunks } = packGeometry(
     {
-      ...{ ...leaves, origin: [0, 0, 0], fileIndices: rows, dropped: {} },
+      ...{ ...leaves, origin: [0, 0, 0], fileIndices, dropped: {} },
       opacityLogits: leaves.opacities.map(logitOf),
     },
     'packed',
@@ -132,7 +132,7 @@ function packBrick({ header, leaves, coefficients }: DecodedBrick, degree: ShDeg
     const { min, step } = logScalesOf(chunks, i);
     return { ...cell, logScales: [min, step] as const };
   });
-  return { level, cells: splatCells, geometry, harmonics, rows };
+  return { level, cells: splatCells, geometry, harmonics, fileIndices };
 }
 
 function packBlobs(leaves: LeafColumns, places: number): Uint32Array<ArrayBuffer> {

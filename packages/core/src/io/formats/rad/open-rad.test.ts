@@ -30,12 +30,12 @@ const open = async (source: SplatSource = new Blob([bytes])) => (await openRad(k
 
 /** Splats of pieces: their rows and positions. */
 function splatsOf(pieces: readonly SplatCells[]) {
-  return pieces.flatMap(({ cells, geometry, rows }) => {
+  return pieces.flatMap(({ cells, geometry, fileIndices }) => {
     const positions = new Float32Array(geometry.buffer);
     const count = cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
     return Array.from({ length: count }, (_, i) => {
       const at = GEOMETRY_WORDS.packed * i;
-      return { row: rows[i], position: [...positions.subarray(at, at + 3)] };
+      return { row: fileIndices[i], position: [...positions.subarray(at, at + 3)] };
     });
   });
 }

@@ -8,7 +8,7 @@ import { truncated } from '../../sources/read-all.ts';
 import { openPart, readOpenedPart } from '../../sources/read-part.ts';
 import type { ReadOptions } from '../../sources/splat-source.ts';
 import { latin1, RAD_MAGIC } from '../first-bytes.ts';
-import { checkPath } from '../part-reader.ts';
+import { checkPath } from '../scene-file-reader.ts';
 import { type RadHeader, readRadHeader } from './rad-header.ts';
 
 /** Size of the first read: it covers the header of a scene of a hundred million nodes. */

@@ -1,9 +1,9 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { readExactly } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../read-format.ts';
+import { SceneFileReader } from '../scene-file-reader.ts';
 import { checkCount } from '../splat-counts.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { FinestReader } from './finest-reader.ts';
@@ -33,7 +33,7 @@ export const read: ReadFormat = async (input, options) => {
   const { count, shDegree, isTree, chunks } = header;
   if (!isTree) checkCount(count, file, maxSplats);
   const progress = new ReadProgress(input, options.onProgress);
-  const parts = new PartReader(input, options, progress);
+  const parts = new SceneFileReader(input, options, progress);
   const partCount = chunks.filter(({ path }) => path !== null).length;
   if (partCount > 0) parts.expect(partCount);
   const builder = new SplatSetBuilder({

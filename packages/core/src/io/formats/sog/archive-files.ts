@@ -5,7 +5,7 @@ import { normalizedPath } from '../../sources/open-files.ts';
 import { openBlob } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions } from '../../sources/splat-source.ts';
-import { LEADING, type ReadPart, readOpened, type SceneFilesOfSog } from './scene-files.ts';
+import { LEADING, type ReadSceneFile, readOpened, type SceneFilesOfSog } from './scene-files.ts';
 
 /**
  * Opens the files of a streamed SOG in an archive. Null if the archive contains none, or several.
@@ -23,7 +23,7 @@ export async function archiveFiles(
   if (leading.length !== 1) return null;
   const root = folderOf(leading[0]);
   const most = unpackedLimit(options, { totalBytes: bytes.length });
-  const read: ReadPart = async (path, signal, onBytes) => {
+  const read: ReadSceneFile = async (path, signal, onBytes) => {
     const entry = entries.get(normalizedPath(root + path));
     if (!entry) {
       const message = `it needs ${path}, which is not in it. Export the scene again.`;

@@ -6,10 +6,10 @@ import { shortName } from '../../sources/known-source.ts';
 import { openUrl } from '../../sources/open-url.ts';
 import { fetchedPart } from '../../sources/read-part.ts';
 import type { OpenedSource, ReadOptions } from '../../sources/splat-source.ts';
-import { checkPath } from '../part-reader.ts';
+import { checkPath } from '../scene-file-reader.ts';
 import { checkCount } from '../splat-counts.ts';
 import type { SogFile } from './pack-leaves.ts';
-import { type ReadPart, readOpened } from './scene-files.ts';
+import { type ReadSceneFile, readOpened } from './scene-files.ts';
 import { imageNames } from './sog-images.ts';
 import { MAX_META_BYTES, parseMeta, parseSogMeta } from './sog-meta.ts';
 
@@ -62,7 +62,7 @@ export async function fetchSogFile(
 }
 
 /** Returns a function that fetches files beside a file that was fetched. */
-export function partsAt(scene: FetchedScene, { maxBytes }: Pick<ReadOptions, 'maxBytes'>): ReadPart {
+export function partsAt(scene: FetchedScene, { maxBytes }: Pick<ReadOptions, 'maxBytes'>): ReadSceneFile {
   return async (path, signal, onBytes) => {
     const { url, request } = fetchedPart(scene, path);
     let before = 0;
@@ -77,7 +77,7 @@ export function partsAt(scene: FetchedScene, { maxBytes }: Pick<ReadOptions, 'ma
 
 /** The JSON of a file's metadata. Rejects as `read`, and with SplatFileError if it is none. */
 export async function readJson(
-  read: ReadPart,
+  read: ReadSceneFile,
   path: string,
   signal?: AbortSignal,
   onBytes?: (bytes: number) => void,
@@ -94,7 +94,7 @@ export async function readJson(
  * contradicts the scene's.
  */
 export async function readSogFile(
-  read: ReadPart,
+  read: ReadSceneFile,
   { path, count, maxSplats }: PromisedFile,
   signal: AbortSignal | undefined,
   onBytes: (bytes: number) => void,

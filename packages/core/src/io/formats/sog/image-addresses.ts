@@ -1,5 +1,5 @@
 import { fetchedPart } from '../../sources/read-part.ts';
-import { checkPath } from '../part-reader.ts';
+import { checkPath } from '../scene-file-reader.ts';
 import { imageNames } from './sog-images.ts';
 import { parseMeta, parseSogMeta } from './sog-meta.ts';
 

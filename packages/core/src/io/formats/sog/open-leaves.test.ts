@@ -62,8 +62,8 @@ describe('the leaves of a streamed SOG', () => {
         for (let i = 0; i < count; i++) {
           const at = GEOMETRY_WORDS.packed * i;
           const position = positions.subarray(at, at + 3);
-          rows.add(piece.rows[i]);
-          found.set(position, 3 * piece.rows[i]);
+          rows.add(piece.fileIndices[i]);
+          found.set(position, 3 * piece.fileIndices[i]);
           const { min, max } = piece.cells[Math.floor(i / 256)].bounds;
           if (!position.every((value, axis) => min[axis] <= value && value <= max[axis])) outside++;
         }
@@ -74,7 +74,7 @@ describe('the leaves of a streamed SOG', () => {
     expect(found).toEqual(whole.positions);
     const [{ levels }] = scene.leaves;
     const [coarse] = await piecesOf(scene, scene.leaves[0], levels[1]);
-    expect(coarse.rows[0]).toBe(NO_ROW);
+    expect(coarse.fileIndices[0]).toBe(NO_ROW);
     expect(scene.fetchedBytes).toBeGreaterThan(100_000);
   });
 
@@ -93,7 +93,7 @@ describe('the leaves of a streamed SOG', () => {
         const positions = new Float32Array(piece.geometry.buffer);
         const count = piece.cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
         for (let i = 0; i < count; i++) {
-          const row = piece.rows[i];
+          const row = piece.fileIndices[i];
           for (let axis = 0; axis < 3; axis++) {
             const found = positions[GEOMETRY_WORDS.packed * i + axis] + scene.origin[axis];
             const expected = whole.positions[3 * row + axis] + whole.origin[axis];

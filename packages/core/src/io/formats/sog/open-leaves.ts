@@ -12,11 +12,11 @@ import { filesBeside, openFiles } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
 import type { ReadOptions } from '../../sources/splat-source.ts';
 import type { JsonFields } from '../file-json.ts';
-import { checkPath } from '../part-reader.ts';
+import { checkPath } from '../scene-file-reader.ts';
 import { checkCount } from '../splat-counts.ts';
 import { type PromisedFile, partsAt, readJson, readSogFile } from './fetch-file.ts';
 import type { SogFile } from './pack-leaves.ts';
-import { LEADING, type ReadPart, readOpened, type SceneFilesOfSog } from './scene-files.ts';
+import { LEADING, type ReadSceneFile, readOpened, type SceneFilesOfSog } from './scene-files.ts';
 import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
 import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 
@@ -285,7 +285,7 @@ async function openSceneFiles(
   const { name } = opened;
   if (from.kind === 'files') {
     const fileAt = filesBeside(from, name);
-    const read: ReadPart = async (path, _, onBytes) => {
+    const read: ReadSceneFile = async (path, _, onBytes) => {
       const file = fileAt(path);
       onBytes?.(file.size);
       return file;

@@ -5,10 +5,10 @@ import { folderOf } from '../../sources/inner-path.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
-import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
+import { SceneFileReader } from '../scene-file-reader.ts';
 import { checkCount } from '../splat-counts.ts';
 import { isStreamedMeta, type LeafRun, type Run, readTree, splatsOf } from './scene-tree.ts';
 import {
@@ -70,7 +70,7 @@ async function openUnits(
   progress: ReadProgress,
 ): Promise<{ units: OpenedUnit[]; notes: readonly string[] }> {
   const { name } = input;
-  const parts = new PartReader(input, options, progress);
+  const parts = new SceneFileReader(input, options, progress);
   const json = parseMeta(await readAll(input.reader, MAX_META_BYTES + 1), name);
   const budget = new ImageBudget(options.maxBytes ?? Number.POSITIVE_INFINITY);
   const unitOf = async (

@@ -14,7 +14,7 @@ export const LEADING = /(?:^|\/)lod-meta\.json$/i;
  *
  * @param onBytes called with the number of bytes fetched since its last call.
  */
-export type ReadPart = (
+export type ReadSceneFile = (
   path: string,
   signal?: AbortSignal,
   onBytes?: (bytes: number) => void,
@@ -26,7 +26,7 @@ export interface SceneFilesOfSog {
   readonly name: string;
   /** Bytes of `lod-meta.json`. */
   readonly meta: Uint8Array;
-  readonly read: ReadPart;
+  readonly read: ReadSceneFile;
   /** Where `meta` was fetched from; absent for Files. */
   readonly fetched?: OpenedSource['fetched'];
 }

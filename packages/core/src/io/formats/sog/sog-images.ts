@@ -4,13 +4,13 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-
 import { browserDecoder } from '../../containers/browser-webp.ts';
 import { decodeWebp, openWebp, type WebpImage } from '../../containers/webp.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import type { PartReader, UncheckedPart } from '../part-reader.ts';
+import type { SceneFileReader, UncheckedFile } from '../scene-file-reader.ts';
 import { type Run, splatsOf } from './scene-tree.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 
-/** The used part of a `PartReader`. */
-type ImageReader = Pick<PartReader, 'readUnchecked' | 'pause'>;
+/** The used part of a `SceneFileReader`. */
+type ImageReader = Pick<SceneFileReader, 'readUnchecked' | 'pause'>;
 
 /** Images of a SOG that were read and checked. */
 export interface OpenedImages {
@@ -101,7 +101,7 @@ export async function openSogImages(
   { count, files, harmonics }: SogMeta,
   budget: ImageBudget,
 ): Promise<OpenedImages> {
-  const read: UncheckedPart[] = [];
+  const read: UncheckedFile[] = [];
   const openImage = async (name: string) => {
     const part = await parts.readUnchecked(folder + name);
     read.push(part);

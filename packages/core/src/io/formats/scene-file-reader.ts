@@ -9,7 +9,7 @@ import type { ReadProgress } from './progress.ts';
 import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 
 /** The bytes of a file whose checksum is not yet verified. */
-export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {
+export interface UncheckedFile extends Pick<UncheckedBytes, 'bytes'> {
   /** Verifies the bytes. Rejects with SplatFileError 'damaged', or with the signal's reason. */
   check(): Promise<void>;
 }
@@ -18,7 +18,7 @@ export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {
  * Reads the other files of a scene, each at most once. Repeated references could otherwise make a
  * large scene of a few files.
  */
-export class PartReader {
+export class SceneFileReader {
   readonly #input: SplatInput;
   readonly #options: SplatFormatOptions;
   readonly #progress: ReadProgress;
@@ -44,7 +44,7 @@ export class PartReader {
   }
 
   /** As `read`, but the checksums of archives are verified by `check` of the result. */
-  async readUnchecked(path: string): Promise<UncheckedPart> {
+  async readUnchecked(path: string): Promise<UncheckedFile> {
     const { name } = this.#input;
     checkPath(path, name);
     if (this.#paths.has(path)) {
@@ -55,7 +55,7 @@ export class PartReader {
     return this.#requests.run(() => this.#readFile(path), this.#options.signal);
   }
 
-  async #readFile(path: string): Promise<UncheckedPart> {
+  async #readFile(path: string): Promise<UncheckedFile> {
     const opened = await openPart(this.#input, path, this.#options);
     const { unchecked } = opened;
     if (unchecked) {
