@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { SplatSelection } from './data/splats/splat-selection.ts';
-import { checkInstances } from './frame/cloud-instances.ts';
+import { checkInstances } from './frame/plan/cloud-instances.ts';
 import * as core from './index.ts';
 import { BrickWriter } from './io/formats/bricks/brick-writer.ts';
 import { memoryFile } from './io/formats/bricks/temporary-files.ts';

@@ -11,7 +11,7 @@ import { Chunk } from './data/layout/structs.ts';
 import { type Mat4, translated4 } from './data/math/mat4.ts';
 import { packCloud } from './data/packing/packed-cloud.ts';
 import type { ShDegree } from './data/splats/splat-set.ts';
-import type { FrameRequest } from './frame/frame-request.ts';
+import type { FrameRequest } from './frame/plan/frame-request.ts';
 import { GpuMemory } from './gpu/gpu-memory.ts';
 import type { FrameStatistics } from './gpu/timing/frame-statistics.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';

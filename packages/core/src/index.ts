@@ -98,18 +98,18 @@ export type {
 } from './features/gpu-splats/gpu-splats.clouds.ts';
 export { motionBytesOf, type PackedMotion } from './features/motion/pack-motion.data.ts';
 export { MOTION_SLOT, MOTION_VALUES, type TimeRange } from './features/motion/splat-motion.data.ts';
-export type { CloudInstances } from './frame/cloud-instances.ts';
+export type { EffectEntry } from './frame/ledger/ledger.ts';
+export type { HostPass } from './frame/parts/frame-part.ts';
+export type { EmbeddedImage } from './frame/parts/host-textures.ts';
+export type { CloudInstances } from './frame/plan/cloud-instances.ts';
 export {
   checkDetail,
   type Detail,
   type DetailLimits,
   type FixedDetail,
   isFixedDetail,
-} from './frame/detail.ts';
-export type { HostPass } from './frame/frame-part.ts';
-export type { CloudInstance, FrameRequest } from './frame/frame-request.ts';
-export type { EffectEntry } from './frame/ledger/ledger.ts';
-export type { EmbeddedImage } from './frame/parts/host-textures.ts';
+} from './frame/plan/detail.ts';
+export type { CloudInstance, FrameRequest } from './frame/plan/frame-request.ts';
 export type { FrameSceneOptions } from './framing/frame-clouds.ts';
 export { frameScene } from './framing/frame-scene.ts';
 export type { SceneFraming, SceneKind } from './framing/scene-framing.ts';

@@ -13,7 +13,7 @@ import { type SplatTransform, transformSplats } from './data/editing/transform-s
 import { InvalidArgumentError } from './data/errors.ts';
 import { identity4, type Mat4, multiply4, type Vec3 } from './data/math/mat4.ts';
 import type { ShDegree, SplatSet } from './data/splats/splat-set.ts';
-import type { CloudInstance } from './frame/frame-request.ts';
+import type { CloudInstance } from './frame/plan/frame-request.ts';
 import { WRITABLE_FORMATS } from './io/formats/writable-formats.ts';
 import { writeSplats } from './io/formats/writers.ts';
 import { readSplats } from './io/loading/read-splats.ts';

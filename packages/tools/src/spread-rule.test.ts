@@ -55,7 +55,7 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
   'a few, written out in code: buffers of a cloud, states of a morph, limits, hooks of effects': [
     'packages/core/src/features/gpu-splats/gpu-splats.clouds.ts',
     'packages/core/src/features/morph/splat-morph.data.ts',
-    'packages/core/src/frame/level-cut.ts',
+    'packages/core/src/frame/plan/level-cut.ts',
     'packages/core/src/gpu/effects/cloud-effects.ts',
     'packages/core/src/gpu/effects/effect-set.ts',
     'packages/three/src/scene/scene-effects.ts',
@@ -67,7 +67,10 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
     'packages/core/src/data/accuracy/',
     'packages/core/src/measure/',
   ],
-  'pages of GPU memory': ['packages/core/src/clouds/ingest/', 'packages/core/src/frame/selection-bits.ts'],
+  'pages of GPU memory': [
+    'packages/core/src/clouds/ingest/',
+    'packages/core/src/frame/parts/selection-bits.ts',
+  ],
   'clouds or scenes that are open together, clipping planes': [
     'apps/lab/src/benchmark/',
     'apps/viewer/src/engine/',

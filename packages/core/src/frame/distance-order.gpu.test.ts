@@ -10,7 +10,7 @@ import { compareImages } from '../stages/measure/measure.reference.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import { frameStages } from './frame-passes.ts';
-import type { FrameRequest } from './frame-request.ts';
+import type { FrameRequest } from './plan/frame-request.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };
 const PLACE = { position: [0, 0, 0], target: [0, 0, -1], aspect: 1 } as const;

@@ -9,8 +9,8 @@ import { drawMeasured } from '../measure/measured-frames.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
-import type { FrameRequest } from './frame-request.ts';
-import { ROOM_PERIOD_MS } from './recent-peak.ts';
+import type { FrameRequest } from './plan/frame-request.ts';
+import { ROOM_PERIOD_MS } from './plan/recent-peak.ts';
 
 const SIZE = { widthPx: 32, heightPx: 32 };
 /**

@@ -5,7 +5,7 @@ import { Page } from '../data/layout/structs.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { DispatchSize } from '../gpu/passes.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
-import { type CloudShape, type FrameShape, perShape } from './frame-shape.ts';
+import { type CloudShape, type FrameShape, perShape } from './plan/frame-shape.ts';
 
 /** Offsets of bindings are multiples of this many bytes on every device. */
 export const BINDING_ALIGNMENT = 256;

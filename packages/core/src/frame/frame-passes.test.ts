@@ -11,7 +11,7 @@ import { wideKeys } from '../stages/wide-keys/wide-keys.ts';
 import { CULL, PROJECT } from '../testing/effect-stages.ts';
 import { allStageVariants } from '../testing/stage-variants.ts';
 import { DRAW_PASSES, ORDER_PASSES, type StageRow, stagesOf } from './frame-passes.ts';
-import type { FrameShape } from './frame-shape.ts';
+import type { FrameShape } from './plan/frame-shape.ts';
 import readme from './README.md?raw';
 
 const BASE = {

@@ -34,7 +34,8 @@ import {
 } from '../stages/tiles/tiles.ts';
 import { wideKeys } from '../stages/wide-keys/wide-keys.ts';
 import { batchInstances, pagesOf, projectWorkgroups, sizeOverChunks, totalChunks } from './frame-pages.ts';
-import type { Drawing, FrameResources, QuadsSample } from './frame-part.ts';
+import type { Drawing, FrameResources, QuadsSample } from './parts/frame-part.ts';
+import { hostCopies } from './parts/host-textures.ts';
 import {
   type CloudShape,
   depthSortShape,
@@ -44,8 +45,7 @@ import {
   PAIR_SORT_OPTIONS,
   pairSortShape,
   perShape,
-} from './frame-shape.ts';
-import { hostCopies } from './parts/host-textures.ts';
+} from './plan/frame-shape.ts';
 
 // Every pass of a frame, in order, with its stages: when they run, over how much, and what they read and
 // write. Nothing else orders stages, and bind groups are made of these names alone. README.md prints this

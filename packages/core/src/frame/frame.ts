@@ -10,15 +10,6 @@ import { type Bindings, type RenderStage, type StageDefinition, stageNameOf } fr
 import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
 import {
-  type Destination,
-  type FramePart,
-  type PartChange,
-  type PartContext,
-  type QuadsSample,
-  SharedMemory,
-  type StageTarget,
-} from './frame-part.ts';
-import {
   type AimedFrame,
   type BoundFrame,
   boundNames,
@@ -29,13 +20,22 @@ import {
   type StageRow,
   stagesOf,
 } from './frame-passes.ts';
-import type { FramePlan } from './frame-plan.ts';
-import type { FrameShape } from './frame-shape.ts';
+import {
+  type Destination,
+  type FramePart,
+  type PartChange,
+  type PartContext,
+  type QuadsSample,
+  SharedMemory,
+  type StageTarget,
+} from './parts/frame-part.ts';
 import { HostTextures, isMultisampled } from './parts/host-textures.ts';
 import { Layer } from './parts/layer.ts';
 import { PageInputs } from './parts/page-inputs.ts';
 import { LongTiles, TileLists } from './parts/tile-lists.ts';
 import { Sort, VisibleSplats } from './parts/visible-splats.ts';
+import type { FramePlan } from './plan/frame-plan.ts';
+import type { FrameShape } from './plan/frame-shape.ts';
 
 /** A bind group of a row, and what it was made of. */
 interface MadeGroup {

@@ -32,9 +32,9 @@ import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testGpu } from '../testing/test-gpu.ts';
-import type { Detail } from './detail.ts';
-import type { CloudInstance, FrameRequest } from './frame-request.ts';
-import { type LevelCut, levelCut } from './level-cut.ts';
+import type { Detail } from './plan/detail.ts';
+import type { CloudInstance, FrameRequest } from './plan/frame-request.ts';
+import { type LevelCut, levelCut } from './plan/level-cut.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;

@@ -12,7 +12,7 @@ import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import type { SplatView } from '../views/splat-view.ts';
-import type { FrameRequest } from './frame-request.ts';
+import type { FrameRequest } from './plan/frame-request.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 

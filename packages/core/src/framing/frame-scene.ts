@@ -1,5 +1,5 @@
 import { fetched } from '../data/errors.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
+import type { CloudInstance } from '../frame/plan/frame-request.ts';
 import type { FrameSceneOptions } from './frame-clouds.ts';
 import type { SceneFraming } from './scene-framing.ts';
 

@@ -1,5 +1,5 @@
 import { depthKey, shortDepthKey } from '../data/layout/depth-key.ts';
-import { hasWideKeys } from '../frame/frame-shape.ts';
+import { hasWideKeys } from '../frame/plan/frame-shape.ts';
 import type { InspectedFrame } from './inspected-frame.ts';
 import { orderedDepths, type SortDepth, sortDepths } from './sort-depths.ts';
 

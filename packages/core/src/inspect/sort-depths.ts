@@ -1,5 +1,5 @@
 import { sortDistance } from '../data/layout/depth-key.ts';
-import { hasWideKeys } from '../frame/frame-shape.ts';
+import { hasWideKeys } from '../frame/plan/frame-shape.ts';
 import { sortDepth } from '../stages/wide-keys/wide-keys.reference.ts';
 import { referenceOf } from './compare-records.ts';
 import { projectionErrors } from './error-bounds.ts';

@@ -2,7 +2,7 @@ import type { Camera } from '../data/camera/camera.ts';
 import { given, wrongArgument } from '../data/given.ts';
 import { type Mat4, multiply4 } from '../data/math/mat4.ts';
 import type { Bounds } from '../data/packing/packed-cloud.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
+import type { CloudInstance } from '../frame/plan/frame-request.ts';
 import { checkClouds } from './check-options.ts';
 import { worldBounds } from './world-bounds.ts';
 

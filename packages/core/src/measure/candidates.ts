@@ -8,7 +8,7 @@ import {
 } from '../data/accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
 import { SH_PRECISIONS } from '../data/packing/precision.ts';
-import type { Detail, FixedDetail } from '../frame/detail.ts';
+import type { Detail, FixedDetail } from '../frame/plan/detail.ts';
 import { describeDetail } from './details.ts';
 
 /** Name of one setting. */

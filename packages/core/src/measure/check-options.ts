@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../data/errors.ts';
 import { CLOUD, checkKind, ENGINE, given, wrongArgument } from '../data/given.ts';
-import { checkDetail, isFixedDetail } from '../frame/detail.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import { checkDetail, isFixedDetail } from '../frame/plan/detail.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 
 /**

@@ -1,6 +1,6 @@
 import { type CutPoint, MOST_SHARE, predictShare } from '../data/accuracy/cut-curve.ts';
-import type { FixedDetail } from '../frame/detail.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FixedDetail } from '../frame/plan/detail.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { compareViews } from './compare-views.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';

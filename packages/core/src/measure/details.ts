@@ -1,4 +1,4 @@
-import { type FixedDetail, percentText } from '../frame/detail.ts';
+import { type FixedDetail, percentText } from '../frame/plan/detail.ts';
 
 /** Default shares of the splats in sight to measure, 0…1. */
 export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];

@@ -6,7 +6,7 @@ import { SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
+import type { CloudInstance } from '../frame/plan/frame-request.ts';
 import { averageSamples, compareImages } from '../stages/measure/measure.reference.ts';
 import { everyOf, stillLife } from '../testing/still-life.ts';
 import { cameraAtDistance } from './camera-pivot.ts';

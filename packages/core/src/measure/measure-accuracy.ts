@@ -10,8 +10,8 @@ import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/
 import { checkKind, given, wrongArgument } from '../data/given.ts';
 import { callListener } from '../data/listeners.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
-import { checkDetail, type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
-import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
+import { checkDetail, type Detail, type FixedDetail, isFixedDetail } from '../frame/plan/detail.ts';
+import type { CloudInstance, FrameRequest } from '../frame/plan/frame-request.ts';
 import type { FrameStatistics, StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { ImageDifference } from '../stages/measure/measure.reference.ts';
 import {

@@ -3,7 +3,7 @@ import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { tint } from '../gpu/effects/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';

@@ -1,8 +1,8 @@
 import { expect, test } from 'vitest';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { SplatEngine } from '../engine.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
 import type { EffectEntry } from '../frame/ledger/ledger.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { brightness, tint } from '../gpu/effects/index.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import { measureEffects } from './measure-effects.ts';

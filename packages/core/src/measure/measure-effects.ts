@@ -1,9 +1,9 @@
 import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { given } from '../data/given.ts';
 import { callListener } from '../data/listeners.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
 import { AUTOMATIC_FEATURES } from '../frame/ledger/automatic-features.ts';
 import type { EffectEntry } from '../frame/ledger/ledger.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { checkMeasured } from './check-options.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';

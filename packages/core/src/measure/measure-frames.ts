@@ -2,13 +2,13 @@ import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accurac
 import { isAccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import type { Camera } from '../data/camera/camera.ts';
 import { callListener } from '../data/listeners.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
-import { leastBytes, type PassBytes } from '../frame/least-bytes.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import { FrameProfile, type PassTime } from '../gpu/timing/frame-profile.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import { checkMeasured } from './check-options.ts';
 import { measureCopyBandwidth } from './copy-bandwidth.ts';
+import { leastBytes, type PassBytes } from './least-bytes.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 import { clockNotes, drawMeasured, withView } from './measured-frames.ts';

@@ -1,7 +1,7 @@
 import { ACCURACY_SETTINGS, DEFAULT_ACCURACY } from '../data/accuracy/accuracy.ts';
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
-import { isFixedDetail } from '../frame/detail.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import { isFixedDetail } from '../frame/plan/detail.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import { type AccuracyChoice, chooseFrom } from './choose-accuracy.ts';
 import { type MeasureProgress, measureThen } from './measure-accuracy.ts';

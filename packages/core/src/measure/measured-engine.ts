@@ -4,9 +4,9 @@ import type {
   FrameRasterizer,
   PossibleAccuracy,
 } from '../data/accuracy/accuracy.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EffectEntry } from '../frame/ledger/ledger.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
+import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { FrameProfile } from '../gpu/timing/frame-profile.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';

@@ -1,5 +1,5 @@
 import { WebSplatterError } from '../data/errors.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { type FrameStatistics, isPlausible, type StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 

@@ -8,7 +8,7 @@ import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
 import { objectScene } from '../testing/object-scene.ts';

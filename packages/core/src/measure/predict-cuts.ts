@@ -1,7 +1,7 @@
 import { type CutPoint, MOST_SHARE, predictShare } from '../data/accuracy/cut-curve.ts';
-import type { FixedDetail } from '../frame/detail.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
-import { shareOf } from '../frame/level-cut.ts';
+import type { FixedDetail } from '../frame/plan/detail.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
+import { shareOf } from '../frame/plan/level-cut.ts';
 import { compareViews } from './compare-views.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { withView } from './measured-frames.ts';

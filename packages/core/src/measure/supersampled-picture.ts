@@ -1,7 +1,7 @@
 import type { SizePx } from '../data/accuracy/accuracy.ts';
 import type { Camera } from '../data/camera/camera.ts';
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { averageSamples, SAMPLES_PER_SIDE } from '../stages/measure/measure.ts';
 import type { ComparedView, MeasuredEngine } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';

@@ -1,6 +1,6 @@
 import type { Bounds } from '../data/packing/packed-cloud.ts';
-import { worldMatrices } from '../frame/cloud-instances.ts';
-import type { CloudInstance } from '../frame/frame-request.ts';
+import { worldMatrices } from '../frame/plan/cloud-instances.ts';
+import type { CloudInstance } from '../frame/plan/frame-request.ts';
 
 /** Returns the bounds of all clouds together, in world space. */
 export function worldBounds(clouds: readonly CloudInstance[]): Bounds {

@@ -4,7 +4,7 @@ import { expect } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { StreamReport } from '../clouds/stream/cloud-stream.ts';
 import type { SplatEngine } from '../create-engine.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 
 type Look = Omit<FrameRequest, 'clouds'> & { readonly cloud: SplatCloud };
 

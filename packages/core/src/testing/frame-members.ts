@@ -17,7 +17,7 @@ import { MOTION_SLOT, MOTION_VALUES } from '../features/motion/splat-motion.data
 import { followSkin } from '../features/skin/skin.clouds.ts';
 import { skinGeometry } from '../features/skin/skin.reference.ts';
 import { SplatSkin } from '../features/skin/splat-skin.data.ts';
-import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
+import type { CloudInstance, FrameRequest } from '../frame/plan/frame-request.ts';
 import { defineEffect } from '../gpu/effects/define-effect.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { effectResources } from '../gpu/effects/effect-resources.ts';

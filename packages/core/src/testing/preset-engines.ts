@@ -4,7 +4,7 @@ import type { Accuracy, AccuracyPreset } from '../data/accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import type { SplatView } from '../views/splat-view.ts';
 

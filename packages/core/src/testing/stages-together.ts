@@ -1,8 +1,8 @@
 import { WebSplatterError } from '../data/errors.ts';
 import { numberOf } from '../data/number-of.ts';
 import { frameStages } from '../frame/frame-passes.ts';
-import { FramePlanner } from '../frame/frame-planner.ts';
-import type { FrameOutput } from '../frame/frame-shape.ts';
+import { FramePlanner } from '../frame/plan/frame-planner.ts';
+import type { FrameOutput } from '../frame/plan/frame-shape.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { loadVariant } from '../gpu/shaders/link-shader.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';

@@ -5,7 +5,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { DestroyedError } from '../data/errors.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import { compareViews } from '../measure/compare-views.ts';
 import { randomSplats } from '../testing/random-splats.ts';

@@ -3,7 +3,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { internAccuracy } from '../data/accuracy/accuracy.ts';
 import { internTarget } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { TargetOptions } from '../measure/measure-target.ts';
 import { AccuracyTargets, type TargetScene, type TargetView } from './accuracy-targets.ts';

@@ -3,7 +3,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
 import { numberOf } from '../data/number-of.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { MeasureProgress } from '../measure/measure-accuracy.ts';
 import type { TargetOptions } from '../measure/measure-target.ts';

@@ -1,7 +1,7 @@
 import type { CloudSight } from '../clouds/stream/cloud-sight.ts';
 import type { CloudStream } from '../clouds/stream/cloud-stream.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
-import { cutErrorPx } from '../frame/level-cut.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
+import { cutErrorPx } from '../frame/plan/level-cut.ts';
 
 /** The streams of the clouds that one view draws: tells each what the view sees. */
 export class DrawnStreams {

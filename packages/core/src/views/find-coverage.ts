@@ -7,7 +7,7 @@ import { isFiniteF32 } from '../data/math/float-step.ts';
 import { linearPart, transform3, type Vec3 } from '../data/math/mat4.ts';
 import { shown } from '../data/printable.ts';
 import type { FrameParts } from '../frame/frame.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';

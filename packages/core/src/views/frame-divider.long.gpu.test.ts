@@ -6,7 +6,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import { isSoftwareAdapter } from '../gpu/device.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { failingDevice } from '../testing/failing-device.ts';

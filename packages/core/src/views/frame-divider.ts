@@ -2,7 +2,7 @@ import { binGrid } from '../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { TileGrid, TilePlan } from '../data/layout/structs.ts';
 import type { FrameParts } from '../frame/frame.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import { dispatchOf, type FramePass, recordDispatches } from '../gpu/passes.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';

@@ -1,4 +1,4 @@
-import type { FixedDetail } from '../frame/detail.ts';
+import type { FixedDetail } from '../frame/plan/detail.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
 /** How frames are drawn in which something moves. */

@@ -1,8 +1,8 @@
 import { describe, expect, test, vi } from 'vitest';
 import { internAccuracy } from '../data/accuracy/accuracy.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
+import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import { signalOf } from '../testing/signal.ts';
 import { FrameWait } from './frame-wait.ts';
 

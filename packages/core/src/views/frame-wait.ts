@@ -1,8 +1,8 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { frameStages } from '../frame/frame-passes.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
+import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 
 /**

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { GpuLimitError } from '../data/errors.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { deviceWithoutGpu } from '../testing/device-without-gpu.ts';
 import { MemoryRecovery, type RecoveringView } from './memory-recovery.ts';

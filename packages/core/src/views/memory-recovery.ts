@@ -1,7 +1,7 @@
 import type { GpuLimitError } from '../data/errors.ts';
 import { fetched } from '../data/errors.ts';
 import type { FrameParts } from '../frame/frame.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { RasterizerChoice } from './rasterizer-choice.ts';
 

@@ -6,7 +6,7 @@ import { PICK_CONSTANTS, PickBlock, PickParameters } from '../data/layout/pick-s
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import { locateSplat } from '../frame/frame-pages.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';

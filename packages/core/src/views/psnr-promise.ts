@@ -5,9 +5,9 @@ import {
   predictPsnrDb,
   predictShare,
 } from '../data/accuracy/cut-curve.ts';
-import type { FixedDetail } from '../frame/detail.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FixedDetail } from '../frame/plan/detail.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { DetailChoice } from '../measure/choose-detail.ts';
 
 type FindCuts<Found> = (

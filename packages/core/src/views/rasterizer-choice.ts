@@ -1,7 +1,7 @@
 import type { FrameRasterizer } from '../data/accuracy/accuracy.ts';
-import type { QuadsSample } from '../frame/frame-part.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
+import type { QuadsSample } from '../frame/parts/frame-part.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
+import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
 

@@ -1,4 +1,4 @@
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import type { ViewFrames } from './view-frames.ts';
 

@@ -1,5 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { FramePlan } from '../frame/frame-plan.ts';
+import type { FramePlan } from '../frame/plan/frame-plan.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
 /**

@@ -7,7 +7,7 @@ import {
 } from '../data/accuracy/accuracy.ts';
 import type { AccuracyRequest, AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { InvalidArgumentError } from '../data/errors.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { AccuracyTargets, ChooseAccuracyOptions, TargetScene, TargetView } from './accuracy-targets.ts';
 

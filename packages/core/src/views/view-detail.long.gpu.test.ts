@@ -4,7 +4,7 @@ import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
-import type { Detail } from '../frame/detail.ts';
+import type { Detail } from '../frame/plan/detail.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { wallClockTimings } from '../gpu/timing/frame-statistics.ts';
 import { GpuTimer } from '../gpu/timing/gpu-timer.ts';

@@ -1,9 +1,9 @@
 import type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
-import { type Detail, type FixedDetail, isSameDetail } from '../frame/detail.ts';
-import { drawnDetail, type FramePlan, showsClouds } from '../frame/frame-plan.ts';
-import type { FrameRequest } from '../frame/frame-request.ts';
-import { splatsInSight } from '../frame/level-cut.ts';
+import { type Detail, type FixedDetail, isSameDetail } from '../frame/plan/detail.ts';
+import { drawnDetail, type FramePlan, showsClouds } from '../frame/plan/frame-plan.ts';
+import type { FrameRequest } from '../frame/plan/frame-request.ts';
+import { splatsInSight } from '../frame/plan/level-cut.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import { FramePace, type MovingFrame } from './frame-pace.ts';
 import { type CutFinders, PsnrPromise } from './psnr-promise.ts';

@@ -1,7 +1,7 @@
 import { fetched } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
-import type { FrameShape } from '../frame/frame-shape.ts';
 import { type EffectEntry, effectsLedger } from '../frame/ledger/ledger.ts';
+import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import type { GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';

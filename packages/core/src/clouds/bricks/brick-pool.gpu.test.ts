@@ -7,7 +7,7 @@ import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { SplatFileError } from '../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import type { Detail } from '../../frame/detail.ts';
+import type { Detail } from '../../frame/plan/detail.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { readWords } from '../../gpu/read-buffer.ts';

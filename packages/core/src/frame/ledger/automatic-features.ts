@@ -1,9 +1,9 @@
 import { linearPart, scalesEvenly } from '../../data/math/mat4.ts';
 import type { SplatEffect } from '../../gpu/effects/effect.ts';
-import type { CloudPlan } from '../cloud-plan.ts';
-import { type Detail, isFixedDetail, percentText } from '../detail.ts';
-import type { FramePlan } from '../frame-plan.ts';
-import type { CloudShape } from '../frame-shape.ts';
+import type { CloudPlan } from '../plan/cloud-plan.ts';
+import { type Detail, isFixedDetail, percentText } from '../plan/detail.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import type { CloudShape } from '../plan/frame-shape.ts';
 
 /** GPU memory that a view holds for effects, in bytes. */
 interface EffectHoldings {

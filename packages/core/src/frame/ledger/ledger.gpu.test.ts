@@ -14,7 +14,7 @@ import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import type { EmbeddedFrameRequest } from '../../views/embedded-view.ts';
 import type { SplatView } from '../../views/splat-view.ts';
 import { frameStages } from '../frame-passes.ts';
-import type { CloudInstance } from '../frame-request.ts';
+import type { CloudInstance } from '../plan/frame-request.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 const SIZE = { widthPx: 16, heightPx: 16 };

@@ -2,6 +2,8 @@ import { HostViewport } from '../../data/layout/structs.ts';
 import type { ComputePass } from '../../gpu/passes.ts';
 import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT } from '../../stages/compose/compose.ts';
 import { TESTED_DEPTH_FORMAT } from '../../stages/quads/quads.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import type { FrameShape } from '../plan/frame-shape.ts';
 import type {
   Destination,
   Drawing,
@@ -10,9 +12,7 @@ import type {
   HostPass,
   PartChange,
   PartContext,
-} from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
-import type { FrameShape } from '../frame-shape.ts';
+} from './frame-part.ts';
 
 /** The splats over the host's image, at the viewport's size. Valid until the view draws again. */
 export interface EmbeddedImage {

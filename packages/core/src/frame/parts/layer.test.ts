@@ -2,8 +2,8 @@
 import { expect, test, vi } from 'vitest';
 import { internAccuracy } from '../../data/accuracy/accuracy.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { type PartContext, SharedMemory } from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import { type PartContext, SharedMemory } from './frame-part.ts';
 import { Layer } from './layer.ts';
 
 vi.stubGlobal('GPUBufferUsage', { COPY_DST: 8, UNIFORM: 64, STORAGE: 128 });

@@ -2,9 +2,9 @@ import type { ColorTarget, SizePx } from '../../data/accuracy/accuracy.ts';
 import { depthMapping } from '../../data/camera/depth-convention.ts';
 import { CompositeParameters, HostDepth, UpscaleParameters } from '../../data/layout/structs.ts';
 import type { DepthLayerFormat } from '../../stages/quads/quads.ts';
-import type { Drawing, FramePart, PartChange, PartContext } from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, isScaled } from '../frame-shape.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import { type FrameShape, isScaled } from '../plan/frame-shape.ts';
+import type { Drawing, FramePart, PartChange, PartContext } from './frame-part.ts';
 
 /** Textures that splats are blended in, or that blended splats are enlarged into. */
 interface LayerTextures {

@@ -4,14 +4,14 @@ import type { GpuValues } from '../../data/layout/gpu-struct.ts';
 import { Page, View } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings } from '../../gpu/pipelines.ts';
-import type { CloudPlace, CloudPlan } from '../cloud-plan.ts';
-import { CutBuffers } from '../cut-buffers.ts';
-import { EffectBuffers } from '../effect-buffers.ts';
 import { type FramePage, pagesOf, uniformBytes } from '../frame-pages.ts';
-import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, hasSameBuffers } from '../frame-shape.ts';
-import { WidePlaces } from '../wide-places.ts';
+import type { CloudPlace, CloudPlan } from '../plan/cloud-plan.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import { type FrameShape, hasSameBuffers } from '../plan/frame-shape.ts';
+import { CutBuffers } from './cut-buffers.ts';
+import { EffectBuffers } from './effect-buffers.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from './frame-part.ts';
+import { WidePlaces } from './wide-places.ts';
 
 /**
  * Inputs of the stages that run over pages: the view, and each page's uniforms, parameters of

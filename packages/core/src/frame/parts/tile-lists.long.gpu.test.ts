@@ -8,8 +8,8 @@ import { renderReference } from '../../reference/render.ts';
 import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { splatsOf } from '../../testing/random-splats.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import type { FrameRequest } from '../frame-request.ts';
-import { PAIR_BYTES } from '../pair-capacity.ts';
+import type { FrameRequest } from '../plan/frame-request.ts';
+import { PAIR_BYTES } from './pair-capacity.ts';
 
 /** A row of 64 bins. */
 const SIZE = { widthPx: 4096, heightPx: 1 };

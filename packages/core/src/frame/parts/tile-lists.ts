@@ -4,11 +4,11 @@ import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { RadixSort } from '../../stages/sort/radix-sort.ts';
-import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import { splitsTiles, tilesOf } from '../frame-passes.ts';
-import type { FramePlan } from '../frame-plan.ts';
-import { type FrameShape, PAIR_SORT_OPTIONS, pairSortShape } from '../frame-shape.ts';
-import { PAIR_BYTES, PairRoom } from '../pair-capacity.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import { type FrameShape, PAIR_SORT_OPTIONS, pairSortShape } from '../plan/frame-shape.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from './frame-part.ts';
+import { PAIR_BYTES, PairRoom } from './pair-capacity.ts';
 
 const { BIN_TILES, MASK_GROUP, TILE_COUNT_BLOCK, TILE_PX } = SHADER_CONSTANTS;
 const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;

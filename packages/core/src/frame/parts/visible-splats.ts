@@ -3,9 +3,9 @@ import { CullParameters, PagePlan, SortPlan, SPLAT_RECORDS } from '../../data/la
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { RadixSort } from '../../stages/sort/radix-sort.ts';
 import { type FramePage, pagesOf, totalChunks } from '../frame-pages.ts';
-import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
-import type { FramePlan } from '../frame-plan.ts';
-import { depthSortShape, type FrameShape, hasSameBuffers } from '../frame-shape.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import { depthSortShape, type FrameShape, hasSameBuffers } from '../plan/frame-shape.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from './frame-part.ts';
 
 /** Sizes and usages of the part's buffers. */
 function bufferTable({ visibleCapacity, accuracy }: FrameShape, pages: readonly FramePage[]) {

@@ -5,7 +5,7 @@ import { beforeAll, beforeEach, describe, expect } from 'vitest';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
 import { SplatEngine } from '../../create-engine.ts';
 import { DestroyedError, InvalidArgumentError, ShaderError } from '../../data/errors.ts';
-import type { CloudInstance } from '../../frame/frame-request.ts';
+import type { CloudInstance } from '../../frame/plan/frame-request.ts';
 import { compareImages } from '../../reference/index.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { testCameras } from '../../testing/test-cameras.ts';

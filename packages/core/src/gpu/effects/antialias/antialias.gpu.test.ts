@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
-import type { CloudInstance } from '../../../frame/frame-request.ts';
+import type { CloudInstance } from '../../../frame/plan/frame-request.ts';
 import { findNonFinite } from '../../../inspect/find-non-finite.ts';
 import { InspectedFrame } from '../../../inspect/inspected-frame.ts';
 import { readRecords } from '../../../inspect/read-records.ts';

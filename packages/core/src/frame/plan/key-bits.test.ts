@@ -1,15 +1,15 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
-import { cloudView } from '../data/camera/cloud-view.ts';
-import { orderedBits, orderedWords, sortDistance } from '../data/layout/depth-key.ts';
-import { identity4, type Mat4 } from '../data/math/mat4.ts';
-import { packCloud } from '../data/packing/packed-cloud.ts';
-import type { SplatSet } from '../data/splats/splat-set.ts';
-import { anyCamera, anyModel } from '../testing/any-view.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { uniform } from '../testing/uniform.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { type Camera, perspectiveCamera } from '../../data/camera/camera.ts';
+import { cloudView } from '../../data/camera/cloud-view.ts';
+import { orderedBits, orderedWords, sortDistance } from '../../data/layout/depth-key.ts';
+import { identity4, type Mat4 } from '../../data/math/mat4.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { anyCamera, anyModel } from '../../testing/any-view.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { uniform } from '../../testing/uniform.ts';
 import { keyBitsFor, wideKeysFor } from './key-bits.ts';
 
 function planned({ viewMatrix }: Camera, set: SplatSet, modelMatrix: Mat4 = identity4()) {

@@ -1,8 +1,8 @@
-import type { Camera } from '../data/camera/camera.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import type { GpuFields, GpuValues } from '../data/layout/gpu-struct.ts';
-import { type PlannedUse, showsSelection } from '../gpu/effects/cloud-effects.ts';
-import { changesOrder } from '../gpu/effects/effect-set.ts';
+import type { Camera } from '../../data/camera/camera.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import type { GpuFields, GpuValues } from '../../data/layout/gpu-struct.ts';
+import { type PlannedUse, showsSelection } from '../../gpu/effects/cloud-effects.ts';
+import { changesOrder } from '../../gpu/effects/effect-set.ts';
 import type { CloudInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { FramePlan } from './frame-plan.ts';

@@ -1,15 +1,15 @@
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { AccuracyRequest } from '../data/accuracy/accuracy-target.ts';
-import { type Camera, checkDepths, checkMatrix } from '../data/camera/camera.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
-import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
-import type { Vec3 } from '../data/math/mat4.ts';
-import { checkOneOf } from '../data/packing/check-precision.ts';
-import { checkDegree } from '../data/splats/check-set.ts';
-import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
-import type { ShDegree } from '../data/splats/splat-set.ts';
-import type { EffectUse } from '../gpu/effects/effect.ts';
-import { checkRange, checkVector } from '../gpu/effects/option-checks.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import type { AccuracyRequest } from '../../data/accuracy/accuracy-target.ts';
+import { type Camera, checkDepths, checkMatrix } from '../../data/camera/camera.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { CLOUD, checkKind, given, wrongArgument } from '../../data/given.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import { checkOneOf } from '../../data/packing/check-precision.ts';
+import { checkDegree } from '../../data/splats/check-set.ts';
+import { SORTED_BY, type SortBy } from '../../data/splats/sort-by.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import type { EffectUse } from '../../gpu/effects/effect.ts';
+import { checkRange, checkVector } from '../../gpu/effects/option-checks.ts';
 import { type CloudInstances, checkInstances } from './cloud-instances.ts';
 import { checkDetail, type Detail } from './detail.ts';
 

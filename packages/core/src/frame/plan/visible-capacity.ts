@@ -1,5 +1,5 @@
-import { writerOf } from '../clouds/cloud-feature.ts';
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { writerOf } from '../../clouds/cloud-feature.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { mayReachIntoFrustum } from './chunk-groups.ts';
 import { countInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';

@@ -1,10 +1,10 @@
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
-import { given, wrongArgument } from '../data/given.ts';
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import { identity4, multiply4 } from '../data/math/mat4.ts';
-import { chunkCountOf } from '../data/packing/chunks.ts';
-import { isDetached } from '../data/printable.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { given, wrongArgument } from '../../data/given.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { identity4, multiply4 } from '../../data/math/mat4.ts';
+import { chunkCountOf } from '../../data/packing/chunks.ts';
+import { isDetached } from '../../data/printable.ts';
 
 /**
  * Places in which a frame draws one cloud many times, with one upload and as many dispatches as for

@@ -1,5 +1,5 @@
-import type { Camera } from '../data/camera/camera.ts';
-import { orderedBits, orderedWords, sortDistance } from '../data/layout/depth-key.ts';
+import type { Camera } from '../../data/camera/camera.ts';
+import { orderedBits, orderedWords, sortDistance } from '../../data/layout/depth-key.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 
 type SeenCloud = Pick<CloudPlan, 'instance' | 'view' | 'reach'> & Partial<Pick<CloudPlan, 'places'>>;

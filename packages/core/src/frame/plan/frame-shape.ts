@@ -1,13 +1,13 @@
-import type { CloudPages } from '../clouds/cloud-planes.ts';
-import type { Levels } from '../clouds/levels/levels.ts';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import type { ShDegree } from '../data/splats/splat-set.ts';
-import type { EffectSet } from '../gpu/effects/effect-set.ts';
-import type { StorableCanvasFormat } from '../stages/composite/composite.ts';
-import type { RasterizeDepth } from '../stages/quads/quads.ts';
-import { pairSortShapeFor, type SortDevice, type SortShape, sortShapeFor } from '../stages/sort/sort.ts';
+import type { CloudPages } from '../../clouds/cloud-planes.ts';
+import type { Levels } from '../../clouds/levels/levels.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import type { AccuracySettings, FrameRasterizer } from '../../data/accuracy/accuracy.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
+import type { EffectSet } from '../../gpu/effects/effect-set.ts';
+import type { StorableCanvasFormat } from '../../stages/composite/composite.ts';
+import type { RasterizeDepth } from '../../stages/quads/quads.ts';
+import { pairSortShapeFor, type SortDevice, type SortShape, sortShapeFor } from '../../stages/sort/sort.ts';
 
 /** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {

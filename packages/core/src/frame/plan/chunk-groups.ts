@@ -1,6 +1,6 @@
-import type { FrustumSide } from '../data/camera/frustum.ts';
-import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { maxScaleOf } from '../data/packing/chunks.ts';
+import type { FrustumSide } from '../../data/camera/frustum.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { maxScaleOf } from '../../data/packing/chunks.ts';
 
 /** Chunks per group. Chunks lie in Morton order, so that the chunks of a group are neighbours. */
 const GROUP_CHUNKS = 16;

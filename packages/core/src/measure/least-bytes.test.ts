@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
 import { internAccuracy } from '../data/accuracy/accuracy.ts';
+import { frameStages } from '../frame/frame-passes.ts';
+import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import { blockKeysOf, sortShapeFor } from '../stages/sort/sort.ts';
-import { frameStages } from './frame-passes.ts';
-import type { FrameShape } from './frame-shape.ts';
 import { type DrawnFrame, leastBytes } from './least-bytes.ts';
 
 /** Labels of the passes of frames outside of other renderers. */

@@ -3,9 +3,14 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { Chunk, SPLAT_RECORDS } from '../data/layout/structs.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../data/packing/harmonics.ts';
+import {
+  type CloudShape,
+  depthSortShape,
+  type FrameShape,
+  pairSortShape,
+} from '../frame/plan/frame-shape.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import { blockKeysOf, lowerPassesOf, type SortShape } from '../stages/sort/sort.ts';
-import { type CloudShape, depthSortShape, type FrameShape, pairSortShape } from './frame-shape.ts';
 
 /** Bytes that a pass moves between the GPU's memory and its cores. */
 export interface PassBytes {

@@ -1,11 +1,11 @@
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import { roundUp } from '../data/layout/gpu-struct.ts';
-import { selectionsOf, takesSelection } from '../gpu/effects/effect-set.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { CloudPlan } from './cloud-plan.ts';
-import type { FramePage } from './frame-pages.ts';
-import type { CloudShape } from './frame-shape.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import { roundUp } from '../../data/layout/gpu-struct.ts';
+import { selectionsOf, takesSelection } from '../../gpu/effects/effect-set.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { FramePage } from '../frame-pages.ts';
+import type { CloudPlan } from '../plan/cloud-plan.ts';
+import type { CloudShape } from '../plan/frame-shape.ts';
 
 /** Offsets of storage bindings are multiples of this many bytes. */
 const STORAGE_ALIGNMENT = 256;

@@ -1,11 +1,11 @@
-import { roundUp } from '../data/layout/gpu-struct.ts';
-import { Page } from '../data/layout/structs.ts';
-import { WidePlace, writeWidePlace } from '../data/layout/wide-place.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Bindings } from '../gpu/pipelines.ts';
-import { BINDING_ALIGNMENT, pagesOf, type UniformRange, uniformBytes } from './frame-pages.ts';
-import type { FramePlan } from './frame-plan.ts';
-import { type FrameShape, hasWideKeys, perShape } from './frame-shape.ts';
+import { roundUp } from '../../data/layout/gpu-struct.ts';
+import { Page } from '../../data/layout/structs.ts';
+import { WidePlace, writeWidePlace } from '../../data/layout/wide-place.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Bindings } from '../../gpu/pipelines.ts';
+import { BINDING_ALIGNMENT, pagesOf, type UniformRange, uniformBytes } from '../frame-pages.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import { type FrameShape, hasWideKeys, perShape } from '../plan/frame-shape.ts';
 
 /** By page of the frame: where its places in float64 lie. */
 const rangesOf = perShape((shape: FrameShape): readonly UniformRange[] => {

@@ -3,13 +3,13 @@ import {
   type FrameRasterizer,
   layerSize,
   type SizePx,
-} from '../data/accuracy/accuracy.ts';
-import { type Camera, projectionOf } from '../data/camera/camera.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import { binGrid } from '../data/layout/bin-grid.ts';
-import { asksForDistance } from '../data/splats/sort-by.ts';
-import type { EffectFaults } from '../gpu/effects/cloud-effects.ts';
-import type { RasterizeDepth } from '../stages/quads/quads.ts';
+} from '../../data/accuracy/accuracy.ts';
+import { type Camera, projectionOf } from '../../data/camera/camera.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import { binGrid } from '../../data/layout/bin-grid.ts';
+import { asksForDistance } from '../../data/splats/sort-by.ts';
+import type { EffectFaults } from '../../gpu/effects/cloud-effects.ts';
+import type { RasterizeDepth } from '../../stages/quads/quads.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from './detail.ts';
 import { type FrameNeeds, type FramePlan, showsClouds } from './frame-plan.ts';

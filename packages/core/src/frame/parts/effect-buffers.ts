@@ -1,11 +1,11 @@
-import type { RowTextures, SplatEffect } from '../gpu/effects/effect.ts';
-import { rowsOf } from '../gpu/effects/effect-set.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Bindings } from '../gpu/pipelines.ts';
+import type { RowTextures, SplatEffect } from '../../gpu/effects/effect.ts';
+import { rowsOf } from '../../gpu/effects/effect-set.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Bindings } from '../../gpu/pipelines.ts';
+import { pagesOf, type UniformRange, uniformBytes } from '../frame-pages.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import type { FrameShape } from '../plan/frame-shape.ts';
 import { ChunkLevels } from './chunk-levels.ts';
-import { pagesOf, type UniformRange, uniformBytes } from './frame-pages.ts';
-import type { FramePlan } from './frame-plan.ts';
-import type { FrameShape } from './frame-shape.ts';
 import { SelectionBits } from './selection-bits.ts';
 
 /** Parameters, selections, levels and rows of the effects of a frame's clouds; empty if no effect takes any. */

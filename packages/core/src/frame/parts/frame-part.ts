@@ -1,8 +1,8 @@
-import type { Vec3 } from '../data/math/mat4.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Bindings, Pipelines } from '../gpu/pipelines.ts';
-import type { FramePlan } from './frame-plan.ts';
-import type { FrameShape } from './frame-shape.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Bindings, Pipelines } from '../../gpu/pipelines.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import type { FrameShape } from '../plan/frame-shape.ts';
 
 /** Buffers of a frame, by the names that `frame-passes.ts` lists for its stages. */
 export interface FrameBuffers {

@@ -1,13 +1,13 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
-import { projectionOf } from '../data/camera/camera.ts';
-import { cloudView } from '../data/camera/cloud-view.ts';
-import { type FrustumSide, frustumSides } from '../data/camera/frustum.ts';
-import { Chunk } from '../data/layout/structs.ts';
-import { packCloud } from '../data/packing/packed-cloud.ts';
-import { anyCamera, anyModel } from '../testing/any-view.ts';
-import { randomSplats } from '../testing/random-splats.ts';
+import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
+import { projectionOf } from '../../data/camera/camera.ts';
+import { cloudView } from '../../data/camera/cloud-view.ts';
+import { type FrustumSide, frustumSides } from '../../data/camera/frustum.ts';
+import { Chunk } from '../../data/layout/structs.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import { anyCamera, anyModel } from '../../testing/any-view.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
 import { countChunksInFrustum } from './chunk-groups.ts';
 
 /** Chunks of 256 splats that are small beside the cloud, the last one not full. */

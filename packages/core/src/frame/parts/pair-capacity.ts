@@ -1,5 +1,5 @@
-import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
-import { LEAST_USE, RecentPeak } from './recent-peak.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { LEAST_USE, RecentPeak } from '../plan/recent-peak.ts';
 
 /**
  * Bytes per pair that the tiles hold: key and record after the sort, and a bit per tile of a bin,

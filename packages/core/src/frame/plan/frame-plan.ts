@@ -1,5 +1,5 @@
-import type { SizePx } from '../data/accuracy/accuracy.ts';
-import type { Camera, Projection } from '../data/camera/camera.ts';
+import type { SizePx } from '../../data/accuracy/accuracy.ts';
+import type { Camera, Projection } from '../../data/camera/camera.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';

@@ -1,13 +1,13 @@
 import { describe, expect, test } from 'vitest';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
-import { perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
-import { cloudView } from '../data/camera/cloud-view.ts';
-import { frustumSides } from '../data/camera/frustum.ts';
-import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
-import { identity4 } from '../data/math/mat4.ts';
-import { packCloud } from '../data/packing/packed-cloud.ts';
-import { randomSplats } from '../testing/random-splats.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
+import { perspectiveCamera, projectionOf } from '../../data/camera/camera.ts';
+import { cloudView } from '../../data/camera/cloud-view.ts';
+import { frustumSides } from '../../data/camera/frustum.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import { identity4 } from '../../data/math/mat4.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
 import { cutBudget, type LevelCut, neededDetail } from './level-cut.ts';
 
 const COUNT = 4096;

@@ -1,14 +1,14 @@
-import type { Levels } from '../clouds/levels/levels.ts';
-import type { TouchedLinks } from '../clouds/levels/touched-links.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import { roundUp } from '../data/layout/gpu-struct.ts';
-import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
-import type { Bindings } from '../gpu/pipelines.ts';
-import { countsInWindow } from '../stages/cut/cut.ts';
-import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage } from './frame-pages.ts';
+import type { Levels } from '../../clouds/levels/levels.ts';
+import type { TouchedLinks } from '../../clouds/levels/touched-links.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import { roundUp } from '../../data/layout/gpu-struct.ts';
+import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import type { Bindings } from '../../gpu/pipelines.ts';
+import { countsInWindow } from '../../stages/cut/cut.ts';
+import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage } from '../frame-pages.ts';
+import type { FramePlan } from '../plan/frame-plan.ts';
+import type { FrameShape } from '../plan/frame-shape.ts';
 import type { PartContext, StageTarget } from './frame-part.ts';
-import type { FramePlan } from './frame-plan.ts';
-import type { FrameShape } from './frame-shape.ts';
 
 /** The buffers of the cuts through one cloud's levels. */
 interface Cut {

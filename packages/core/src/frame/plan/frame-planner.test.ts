@@ -1,11 +1,11 @@
 import { describe, expect, test, vi } from 'vitest';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { type Accuracy, type FrameRasterizer, internAccuracy } from '../data/accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
-import { packCloud } from '../data/packing/packed-cloud.ts';
-import { antialias, fog, tint } from '../gpu/effects/index.ts';
-import type { RasterizeDepth } from '../stages/quads/quads.ts';
-import { randomSplats } from '../testing/random-splats.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { type Accuracy, type FrameRasterizer, internAccuracy } from '../../data/accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera } from '../../data/camera/camera.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import { antialias, fog, tint } from '../../gpu/effects/index.ts';
+import type { RasterizeDepth } from '../../stages/quads/quads.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
 import { FramePlanner } from './frame-planner.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';
 

@@ -1,24 +1,24 @@
-import { writerOf } from '../clouds/cloud-feature.ts';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
-import type { Camera, Projection } from '../data/camera/camera.ts';
-import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
-import { type FrustumSide, frustumSides } from '../data/camera/frustum.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
-import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
-import { identity4, type Mat4 } from '../data/math/mat4.ts';
-import type { CloudFacts } from '../data/packing/cloud-facts.ts';
-import type { ShDegree } from '../data/splats/splat-set.ts';
+import { writerOf } from '../../clouds/cloud-feature.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import type { AccuracySettings } from '../../data/accuracy/accuracy.ts';
+import type { Camera, Projection } from '../../data/camera/camera.ts';
+import { type CloudView, cloudView } from '../../data/camera/cloud-view.ts';
+import { type FrustumSide, frustumSides } from '../../data/camera/frustum.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
+import { identity4, type Mat4 } from '../../data/math/mat4.ts';
+import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
 import {
   type CloudEffects,
   cloudEffects,
   type EffectFaults,
   showsSelection,
-} from '../gpu/effects/cloud-effects.ts';
-import type { EffectPlace } from '../gpu/effects/effect.ts';
-import { placeInList } from '../gpu/effects/effect-list.ts';
-import type { EffectSet } from '../gpu/effects/effect-set.ts';
-import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
+} from '../../gpu/effects/cloud-effects.ts';
+import type { EffectPlace } from '../../gpu/effects/effect.ts';
+import { placeInList } from '../../gpu/effects/effect-list.ts';
+import type { EffectSet } from '../../gpu/effects/effect-set.ts';
+import { isFiniteF32 } from '../../gpu/effects/option-checks.ts';
 import { type CloudInstances, countInstances, worldMatrices } from './cloud-instances.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';

@@ -1,8 +1,8 @@
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { CHUNK_LEVEL_BYTES, hasLevels, MISSING_LEVEL } from '../gpu/effects/effect-set.ts';
-import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { FramePage } from './frame-pages.ts';
-import type { CloudShape } from './frame-shape.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { CHUNK_LEVEL_BYTES, hasLevels, MISSING_LEVEL } from '../../gpu/effects/effect-set.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { FramePage } from '../frame-pages.ts';
+import type { CloudShape } from '../plan/frame-shape.ts';
 
 /** Chunks per cell above the first level: one of leaves and one of blobs. */
 const UPPER_CHUNKS = 2;

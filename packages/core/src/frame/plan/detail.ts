@@ -1,7 +1,7 @@
-import { type AccuracyTarget, TARGETS } from '../data/accuracy/accuracy-target.ts';
-import { wrongArgument } from '../data/given.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import { isFiniteF32 } from '../data/math/float-step.ts';
+import { type AccuracyTarget, TARGETS } from '../../data/accuracy/accuracy-target.ts';
+import { wrongArgument } from '../../data/given.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import { isFiniteF32 } from '../../data/math/float-step.ts';
 
 /**
  * Limits to a frame's level of detail: blobs, each of several merged splats, are drawn instead of all

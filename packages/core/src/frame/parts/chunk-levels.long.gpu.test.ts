@@ -1,19 +1,19 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { SplatEngine } from '../create-engine.ts';
-import { brickSceneOf } from '../data/bricks/make-bricks.ts';
-import { perspectiveCamera } from '../data/camera/camera.ts';
-import { SplatSelection } from '../data/splats/splat-selection.ts';
-import { defineEffect } from '../gpu/effects/define-effect.ts';
-import { highlight } from '../gpu/effects/highlight/highlight.ts';
-import { FIXED_RASTERIZER } from '../testing/fixed-rasterizer.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { signalOf } from '../testing/signal.ts';
-import { droppedFiles } from '../testing/sog-fixture.ts';
-import { streamedSog, streamedSogFiles } from '../testing/streamed-sog-fixture.ts';
-import type { SplatView } from '../views/splat-view.ts';
-import type { Detail } from './detail.ts';
+import type { SplatCloud } from '../../clouds/splat-cloud.ts';
+import { SplatEngine } from '../../create-engine.ts';
+import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
+import { perspectiveCamera } from '../../data/camera/camera.ts';
+import { SplatSelection } from '../../data/splats/splat-selection.ts';
+import { defineEffect } from '../../gpu/effects/define-effect.ts';
+import { highlight } from '../../gpu/effects/highlight/highlight.ts';
+import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { signalOf } from '../../testing/signal.ts';
+import { droppedFiles } from '../../testing/sog-fixture.ts';
+import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
+import type { SplatView } from '../../views/splat-view.ts';
+import type { Detail } from '../plan/detail.ts';
 
 /** Shows n/16 in place of each colour. */
 const levelShown = defineEffect<undefined>({
