@@ -41,7 +41,7 @@ import { type EngineCounters, zeroCounters } from './gpu/engine-counters.ts';
 import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
-import type { RowFiles } from './io/formats/row-sink.ts';
+import type { RowFiles } from './io/formats/rows/row-sink.ts';
 import { loadOrPass } from './io/loading/load-splats.ts';
 import { type KnownSource, knownSource, lastingOf } from './io/sources/known-source.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';

@@ -35,7 +35,7 @@ export { brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
 export type { WritableFormat } from './io/formats/formats.ts';
 export type { FrameWriter, FrameWriterOptions } from './io/formats/frames/frame-writer.ts';
-export { PieceFacts } from './io/formats/piece-facts.ts';
+export { PieceFacts } from './io/formats/rows/piece-facts.ts';
 export type { PartAddress } from './io/formats/sog/image-addresses.ts';
 export { WRITABLE_FORMATS, writableByName } from './io/formats/writable-formats.ts';
 export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-format.ts';

@@ -5,7 +5,7 @@ import { packSet } from '../data/packing/pack-set.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
+import type { RowFiles, RowSink } from '../io/formats/rows/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
 import { knownSource } from '../io/sources/known-source.ts';
 import type { MakeOptions } from './cloud-leases.ts';

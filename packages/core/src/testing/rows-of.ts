@@ -4,7 +4,7 @@ import { paletteValues, type RowLayout, valueOfByte } from '../data/packing/row-
 import { ROW_SLOT } from '../data/splats/splat-row.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { ALL_READERS } from '../io/formats/readers.ts';
-import type { RowSink } from '../io/formats/row-sink.ts';
+import type { RowSink } from '../io/formats/rows/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import { knownSource } from '../io/sources/known-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';

@@ -1,6 +1,6 @@
 import { fetched } from '../../data/errors.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
-import type { RowSink } from '../../io/formats/row-sink.ts';
+import type { RowSink } from '../../io/formats/rows/row-sink.ts';
 import type { DispatchContext } from './dispatches.ts';
 import type { IngestedCloud, RowIngest, RowIngestOptions, RowKind } from './row-ingest.ts';
 

@@ -17,8 +17,8 @@ import type { Guarded } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { probeMemory } from '../../gpu/probe-memory.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import type { RowSink } from '../../io/formats/row-sink.ts';
-import { emptyError } from '../../io/formats/splat-counts.ts';
+import type { RowSink } from '../../io/formats/rows/row-sink.ts';
+import { emptyError } from '../../io/formats/rows/splat-counts.ts';
 import { ingestRows, pieceParameters } from '../../stages/ingest/ingest.ts';
 import {
   CloudPlanes,

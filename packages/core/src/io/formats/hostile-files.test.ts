@@ -20,7 +20,7 @@ import { readSource } from '../loading/read-source.ts';
 import { knownSource } from '../sources/known-source.ts';
 import type { ReadLimits } from '../sources/splat-source.ts';
 import { ALL_READERS } from './readers.ts';
-import type { RowSink } from './row-sink.ts';
+import type { RowSink } from './rows/row-sink.ts';
 
 const FORMATS = ['ascii', 'binary_little_endian', 'binary_big_endian'] as const;
 const FLOATS = ['float', 'float32', 'double', 'float64'];

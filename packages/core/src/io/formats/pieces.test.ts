@@ -5,8 +5,8 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { readSplatPieces, readSplats } from '../loading/read-splats.ts';
 import { knownSource } from '../sources/known-source.ts';
 import { openBricks } from './bricks/open-bricks.ts';
-import { PieceFacts } from './piece-facts.ts';
 import { encodePly } from './ply/write-ply.ts';
+import { PieceFacts } from './rows/piece-facts.ts';
 import type { SplatPieces } from './write-format.ts';
 import { canWritePieces, openBrickWriter, writeSplatPieces, writeSplats } from './writers.ts';
 

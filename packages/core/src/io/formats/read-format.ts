@@ -4,7 +4,7 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { DecodeMeshopt } from '../containers/meshopt.ts';
 import type { ByteReader } from '../sources/byte-reader.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
-import type { Passed, RowsTo } from './row-sink.ts';
+import type { Passed, RowsTo } from './rows/row-sink.ts';
 
 /**
  * Receives a piece of a file's splats, in file order, with the number of rows dropped before it.

@@ -5,8 +5,8 @@ import { isInnerPath } from '../sources/inner-path.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { openPart, readOpenedPart } from '../sources/read-part.ts';
 import type { UncheckedBytes } from '../sources/splat-source.ts';
-import type { ReadProgress } from './progress.ts';
 import type { SplatFormatOptions, SplatInput } from './read-format.ts';
+import type { ReadProgress } from './rows/progress.ts';
 
 /** The bytes of a file whose checksum is not yet verified. */
 export interface UncheckedFile extends Pick<UncheckedBytes, 'bytes'> {

@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '../../data/errors.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { Turns } from '../../data/turns.ts';
-import type { PieceFacts } from './piece-facts.ts';
+import type { PieceFacts } from './rows/piece-facts.ts';
 
 /** Abort signal and callbacks of a write. */
 export interface WriteOptions {

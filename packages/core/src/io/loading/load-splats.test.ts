@@ -17,7 +17,7 @@ import { PLY_READERS } from '../formats/ply/read-ply.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
 import type { FormatReaders } from '../formats/read-format.ts';
 import { ALL_READERS } from '../formats/readers.ts';
-import type { RowSink } from '../formats/row-sink.ts';
+import type { RowSink } from '../formats/rows/row-sink.ts';
 import { fromPostedError, toPostedError } from '../posted-error.ts';
 import { knownSource, lastingSource } from '../sources/known-source.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';

@@ -3,7 +3,7 @@ import { guarded } from '../../data/listeners.ts';
 import { onAbort } from '../../data/on-abort.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
-import type { Passed, RowsTo } from '../formats/row-sink.ts';
+import type { Passed, RowsTo } from '../formats/rows/row-sink.ts';
 import { fromPostedError } from '../posted-error.ts';
 import { bytesOf, isBlob, type KnownSource, knownSource } from '../sources/known-source.ts';
 import type { ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';

@@ -3,7 +3,7 @@ import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import { ownShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/read-format.ts';
-import type { Passed, RowsTo } from '../formats/row-sink.ts';
+import type { Passed, RowsTo } from '../formats/rows/row-sink.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import { type KnownSource, namesOfOpened } from '../sources/known-source.ts';
 import { openSource } from '../sources/open-source.ts';

@@ -3,7 +3,7 @@ import type { GeometryPrecision, ShPrecision } from '../../data/packing/precisio
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { DecodeMeshopt, PackedView } from '../containers/meshopt.ts';
 import type { FormatReaders } from '../formats/read-format.ts';
-import type { Passed, RowFiles, RowSink, RowsTo } from '../formats/row-sink.ts';
+import type { Passed, RowFiles, RowSink, RowsTo } from '../formats/rows/row-sink.ts';
 import { fromPostedError, type PostedError, toPostedError } from '../posted-error.ts';
 import type { KnownSource } from '../sources/known-source.ts';
 import type { LoadProgress, ReadOptions, SourceOptions } from '../sources/splat-source.ts';

@@ -20,7 +20,7 @@ import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import type { ShDegree, SplatColumns, SplatSet } from '../../../data/splats/splat-set.ts';
 import { Turns } from '../../../data/turns.ts';
 import { packZlib } from '../../containers/pack-gzip.ts';
-import { type Rounding, RoundingMeter } from '../rounding-meter.ts';
+import { type Rounding, RoundingMeter } from '../rows/rounding-meter.ts';
 import {
   joinRecords,
   type RecordFacts,

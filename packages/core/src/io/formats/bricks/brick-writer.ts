@@ -18,7 +18,7 @@ import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import { givenSet } from '../../../data/splats/check-set.ts';
 import { checkStill } from '../../../data/splats/columns.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
-import { addRounding, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
+import { addRounding, type RoundingAdvice, RoundingMeter } from '../rows/rounding-meter.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
 import { writeBrickHeader } from './brick-header.ts';
 import {

@@ -6,10 +6,6 @@ import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-val
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { readExactly } from '../../sources/read-all.ts';
-import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
-import { type ByteHarmonics, floatRows } from '../byte-harmonics.ts';
-import { deliverRows, rowLength } from '../decoded-rows.ts';
-import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import {
   clip,
   type PlyElement,
@@ -19,10 +15,14 @@ import {
   shPropertiesOf,
   TYPE_BYTES,
 } from '../ply/ply-header.ts';
-import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatInput } from '../read-format.ts';
-import { takesCount } from '../row-sink.ts';
-import { checkCount } from '../splat-counts.ts';
+import { ArrivingRows, type RowSource } from '../rows/arriving-rows.ts';
+import { type ByteHarmonics, floatRows } from '../rows/byte-harmonics.ts';
+import { deliverRows, rowLength } from '../rows/decoded-rows.ts';
+import { FLAT_LOG_SCALE } from '../rows/flat-scale.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import { takesCount } from '../rows/row-sink.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 
 /** Geometry bounds of a chunk: least values, then greatest. */

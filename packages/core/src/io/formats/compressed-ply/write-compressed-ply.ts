@@ -7,7 +7,7 @@ import { colorOf, opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { Turns } from '../../../data/turns.ts';
 import { antialiasComments } from '../ply/write-ply.ts';
-import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
+import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rows/rounding-meter.ts';
 import {
   fileMemory,
   partOfProgress,

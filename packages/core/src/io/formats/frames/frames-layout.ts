@@ -2,8 +2,8 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { crc32 } from '../../containers/crc32.ts';
-import { rowLength } from '../decoded-rows.ts';
 import { FRAMES_MAGIC, latin1 } from '../first-bytes.ts';
+import { rowLength } from '../rows/decoded-rows.ts';
 
 // A file begins with a header and an entry for each frame; packed frames follow in order. A frame is
 // a key frame, or the difference to the key frame before it.

@@ -7,7 +7,7 @@ import { knownSource } from '../../sources/known-source.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { limitsOf, unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions, SplatFrame, SplatSource } from '../../sources/splat-source.ts';
-import { checkCount } from '../splat-counts.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 import {
   checkUnpacked,
   type FrameEntry,

@@ -1,9 +1,9 @@
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import type { ReadFormat, SplatInput } from '../read-format.ts';
-import { checkCount } from '../splat-counts.ts';
+import { type DecodedRows, deliverRows, rowLength } from '../rows/decoded-rows.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 import { columnsOfSplats, decodeKey, harmonicsOfSplats } from './decode-frame.ts';
 import {
   checkUnpacked,

@@ -4,8 +4,8 @@ import { ByteReader } from '../../sources/byte-reader.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { readPart } from '../../sources/read-part.ts';
-import type { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
+import type { ReadProgress } from '../rows/progress.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 import { meshoptOf, packedViewOf } from './packed-view.ts';
 

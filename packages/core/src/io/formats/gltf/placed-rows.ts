@@ -4,7 +4,7 @@ import { writeRotationMatrix } from '../../../data/math/rotation-matrix.ts';
 import { normalizedRotation } from '../../../data/packing/rotation.ts';
 import { HarmonicsTurn } from '../../../data/splats/harmonics-turn.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
-import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import { type DecodedRows, rowLength } from '../rows/decoded-rows.ts';
 
 /** Relative tolerance for equal axis lengths: writers round matrices to float32. */
 const ROUNDING = 1e-6;

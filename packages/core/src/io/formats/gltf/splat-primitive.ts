@@ -1,6 +1,6 @@
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { shown } from '../../../data/printable.ts';
-import type { DecodedRows } from '../decoded-rows.ts';
+import type { DecodedRows } from '../rows/decoded-rows.ts';
 import { readSpzContents } from '../spz/read-spz.ts';
 import { emptyAttributes, type SpzAttributes, spzPosition, spzRows } from '../spz/spz-rows.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';

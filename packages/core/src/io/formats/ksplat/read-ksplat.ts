@@ -4,11 +4,11 @@ import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-val
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { readExactly } from '../../sources/read-all.ts';
-import { deliverRows, rowLength } from '../decoded-rows.ts';
-import { logScaleOf } from '../flat-scale.ts';
-import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../read-format.ts';
-import { checkCount } from '../splat-counts.ts';
+import { deliverRows, rowLength } from '../rows/decoded-rows.ts';
+import { logScaleOf } from '../rows/flat-scale.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 
 const HEADER_BYTES = 4096;
 const SECTION_HEADER_BYTES = 1024;

@@ -1,7 +1,7 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
-import type { ReadProgress } from '../progress.ts';
-import type { SplatSetBuilder } from '../splat-set-builder.ts';
+import type { ReadProgress } from '../rows/progress.ts';
+import type { SplatSetBuilder } from '../rows/splat-set-builder.ts';
 import { clip, type PlyBody, type PlyElement, type PlyType } from './ply-header.ts';
 
 /** Longest accepted line; a row of a real file has some hundred bytes. */

@@ -4,9 +4,9 @@ import { fromHalfBits } from '../../../data/layout/half.ts';
 import { type RowLayout, rowsWithin } from '../../../data/packing/row-layout.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
-import type { ReadProgress } from '../progress.ts';
-import type { RowSink } from '../row-sink.ts';
-import type { SplatSetBuilder } from '../splat-set-builder.ts';
+import type { ReadProgress } from '../rows/progress.ts';
+import type { RowSink } from '../rows/row-sink.ts';
+import type { SplatSetBuilder } from '../rows/splat-set-builder.ts';
 import { clip, type PlyBody, type PlyElement, type PlyType, TYPE_BYTES } from './ply-header.ts';
 
 type ReadScalar = (view: DataView, offset: number, littleEndian: boolean) => number;

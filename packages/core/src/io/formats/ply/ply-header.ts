@@ -1,7 +1,7 @@
 import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
-import { leftOutBands } from '../left-out-bands.ts';
+import { leftOutBands } from '../rows/left-out-bands.ts';
 
 export type PlyFormat = 'ascii' | 'binary_little_endian' | 'binary_big_endian';
 export type PlyType =

@@ -10,12 +10,12 @@ import {
 } from '../../../data/splats/splat-set.ts';
 import { MOTION_VALUES, stillMotion } from '../../../features/motion/splat-motion.data.ts';
 import { plyKindOf } from '../first-bytes.ts';
-import { FLAT_LOG_SCALE } from '../flat-scale.ts';
-import { ReadProgress } from '../progress.ts';
 import type { FormatReaders, ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
-import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
-import { checkCount } from '../splat-counts.ts';
-import { SplatSetBuilder } from '../splat-set-builder.ts';
+import { FLAT_LOG_SCALE } from '../rows/flat-scale.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import { type Passed, type RowsTo, takesCount } from '../rows/row-sink.ts';
+import { checkCount } from '../rows/splat-counts.ts';
+import { SplatSetBuilder } from '../rows/splat-set-builder.ts';
 import { FILTER_NOTE, FILTER_PROPERTY, fuseFilter } from './fuse-filter.ts';
 import { hasPlainColors, motionPropertiesOf } from './motion-properties.ts';
 import { readAsciiRows } from './ply-ascii.ts';

@@ -2,7 +2,7 @@ import { type Harmonics, readCoefficients } from '../../../data/packing/harmonic
 import { givenSet } from '../../../data/splats/check-set.ts';
 import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { MOTION_VALUES } from '../../../features/motion/splat-motion.data.ts';
-import type { PieceFacts } from '../piece-facts.ts';
+import type { PieceFacts } from '../rows/piece-facts.ts';
 import {
   fileMemory,
   readInTurns,

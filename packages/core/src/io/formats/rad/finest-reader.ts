@@ -1,5 +1,5 @@
-import { checkCount } from '../splat-counts.ts';
-import type { SplatSetBuilder } from '../splat-set-builder.ts';
+import { checkCount } from '../rows/splat-counts.ts';
+import type { SplatSetBuilder } from '../rows/splat-set-builder.ts';
 import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
 import type { RadChunk } from './rad-chunk.ts';
 import type { RadHeader } from './rad-header.ts';

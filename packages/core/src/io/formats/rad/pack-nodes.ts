@@ -5,7 +5,7 @@ import { logitOf } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
 import type { Turns } from '../../../data/turns.ts';
-import { packPieces } from '../pack-pieces.ts';
+import { packPieces } from '../rows/pack-pieces.ts';
 import { type DecodedChunk, type PackedChunk, type RadFacts, stackIn } from './decoded-chunk.ts';
 import { decodedPart, type KeyedPart, type RadChunks } from './divide-part.ts';
 

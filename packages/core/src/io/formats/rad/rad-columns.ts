@@ -1,5 +1,5 @@
 import { fromHalfBits } from '../../../data/layout/half.ts';
-import { FLAT_LOG_SCALE, logScaleOf } from '../flat-scale.ts';
+import { FLAT_LOG_SCALE, logScaleOf } from '../rows/flat-scale.ts';
 
 /** Value encodings: see `decodeColumn`. */
 export type Encoding =

@@ -3,7 +3,7 @@ import { shown } from '../../../data/printable.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { JsonFields, parseJson } from '../file-json.ts';
 import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
-import { checkCount } from '../splat-counts.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 
 /** Signature and length of the JSON, for a scene or a chunk. */
 export const PREFIX_BYTES = 8;

@@ -1,11 +1,11 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { readExactly } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../read-format.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import { checkCount } from '../rows/splat-counts.ts';
+import { SplatSetBuilder } from '../rows/splat-set-builder.ts';
 import { SceneFileReader } from '../scene-file-reader.ts';
-import { checkCount } from '../splat-counts.ts';
-import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { FinestReader } from './finest-reader.ts';
 import { RadChunk } from './rad-chunk.ts';
 import { readRadHeader } from './rad-header.ts';

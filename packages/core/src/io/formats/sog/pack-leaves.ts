@@ -8,7 +8,7 @@ import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-
 import type { Turns } from '../../../data/turns.ts';
 import { folderOf } from '../../sources/inner-path.ts';
 import { LastResults } from '../last-results.ts';
-import { LEFT_OUT, packPieces } from '../pack-pieces.ts';
+import { LEFT_OUT, packPieces } from '../rows/pack-pieces.ts';
 import type { Run } from './scene-tree.ts';
 import { ImageBudget, openSogImages } from './sog-images.ts';
 import type { SogMeta } from './sog-meta.ts';

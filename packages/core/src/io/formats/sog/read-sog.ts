@@ -3,13 +3,13 @@ import type { PackedHarmonics, ReadHarmonics } from '../../../data/packing/harmo
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { folderOf } from '../../sources/inner-path.ts';
 import { readAll } from '../../sources/read-all.ts';
-import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
-import { joinedRows } from '../joined-rows.ts';
-import { ReadProgress } from '../progress.ts';
 import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
-import type { Passed, RowsTo } from '../row-sink.ts';
+import { type DecodedRows, deliverRows } from '../rows/decoded-rows.ts';
+import { joinedRows } from '../rows/joined-rows.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import type { Passed, RowsTo } from '../rows/row-sink.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 import { SceneFileReader } from '../scene-file-reader.ts';
-import { checkCount } from '../splat-counts.ts';
 import { isStreamedMeta, type LeafRun, type Run, readTree, splatsOf } from './scene-tree.ts';
 import {
   ImageBudget,

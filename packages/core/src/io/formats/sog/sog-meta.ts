@@ -3,8 +3,8 @@ import { shown } from '../../../data/printable.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { JsonFields, parseJson } from '../file-json.ts';
-import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { UNREAD } from '../other-files.ts';
+import { FLAT_LOG_SCALE } from '../rows/flat-scale.ts';
 
 /** Most bytes of a metadata file; large streamed scenes have some millions. */
 export const MAX_META_BYTES = 2 ** 26;

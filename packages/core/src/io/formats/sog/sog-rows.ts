@@ -3,7 +3,7 @@ import type { Vec3 } from '../../../data/math/mat4.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
-import { type DecodedRows, rowLength } from '../decoded-rows.ts';
+import { type DecodedRows, rowLength } from '../rows/decoded-rows.ts';
 import { FIRST_MODE, POSITION_STEPS } from './sog-layout.ts';
 import type { SogMeta } from './sog-meta.ts';
 import { labelsOf, paletteEntries, type SogUnit } from './sog-palette.ts';

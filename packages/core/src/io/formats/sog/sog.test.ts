@@ -19,8 +19,8 @@ import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import { knownSource } from '../../sources/known-source.ts';
 import type { LoadProgress, ReadSplatsOptions, SplatSource } from '../../sources/splat-source.ts';
-import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ALL_READERS } from '../readers.ts';
+import { FLAT_LOG_SCALE } from '../rows/flat-scale.ts';
 
 const exampleOf = (fixture: Partial<SogFixture> = {}, seed = 1) =>
   sogExample({ version: 2, count: 11, shDegree: 1, ...fixture }, new Choices(seed));

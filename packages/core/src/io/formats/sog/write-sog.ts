@@ -10,7 +10,7 @@ import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type SplatSet } from '../..
 import { Turns } from '../../../data/turns.ts';
 import { encodeVp8l, MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
-import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
+import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rows/rounding-meter.ts';
 import { partOfProgress, type WriteFormat } from '../write-format.ts';
 import { clusterHarmonics } from './cluster-harmonics.ts';
 import { type Codebook, findCodebook } from './codebook.ts';

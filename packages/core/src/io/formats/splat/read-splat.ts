@@ -2,13 +2,13 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { readAll } from '../../sources/read-all.ts';
-import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
-import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
-import { logScaleOf } from '../flat-scale.ts';
-import { ReadProgress } from '../progress.ts';
 import { type ReadFormat, SNIFF_BYTES } from '../read-format.ts';
-import { takesCount } from '../row-sink.ts';
-import { checkCount } from '../splat-counts.ts';
+import { ArrivingRows, type RowSource } from '../rows/arriving-rows.ts';
+import { type DecodedRows, deliverRows, rowLength } from '../rows/decoded-rows.ts';
+import { logScaleOf } from '../rows/flat-scale.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import { takesCount } from '../rows/row-sink.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 
 const ROW_BYTES = 32;
 /** Rows that are checked for plausibility, because a .splat has no signature. */

@@ -4,11 +4,11 @@ import { unpackZstd } from '../../containers/zstd.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import { ArrivingRows } from '../arriving-rows.ts';
-import { deliverRows } from '../decoded-rows.ts';
 import { isGzip } from '../first-bytes.ts';
-import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
+import { ArrivingRows } from '../rows/arriving-rows.ts';
+import { deliverRows } from '../rows/decoded-rows.ts';
+import { ReadProgress } from '../rows/progress.ts';
 import {
   fillOrFail,
   hasStreams,

@@ -1,7 +1,7 @@
 import { type FilePlace, SplatFileError } from '../../../data/errors.ts';
 import type { ByteReader } from '../../sources/byte-reader.ts';
 import { latin1, SPZ_MAGIC } from '../first-bytes.ts';
-import { checkCount } from '../splat-counts.ts';
+import { checkCount } from '../rows/splat-counts.ts';
 import { FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 import { LAST_COORDINATE_SYSTEM } from './turn-axes.ts';
 

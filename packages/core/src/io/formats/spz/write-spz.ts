@@ -5,8 +5,8 @@ import { opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { packGzip, packGzipTo } from '../../containers/pack-gzip.ts';
 import { SPZ_MAGIC } from '../first-bytes.ts';
-import type { PieceFacts } from '../piece-facts.ts';
-import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
+import type { PieceFacts } from '../rows/piece-facts.ts';
+import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rows/rounding-meter.ts';
 import {
   fileMemory,
   partOfProgress,

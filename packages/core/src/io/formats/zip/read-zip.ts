@@ -11,9 +11,9 @@ import { SOG_META } from '../formats.ts';
 import { UNREAD } from '../other-files.ts';
 import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { clip } from '../ply/ply-header.ts';
-import { ReadProgress } from '../progress.ts';
 import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../read-format.ts';
-import type { Passed, RowsTo } from '../row-sink.ts';
+import { ReadProgress } from '../rows/progress.ts';
+import type { Passed, RowsTo } from '../rows/row-sink.ts';
 import { read as readSog } from '../sog/read-sog.ts';
 
 /** Most file names in a message. */

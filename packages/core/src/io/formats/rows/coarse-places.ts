@@ -1,6 +1,6 @@
-import { floatStep } from '../../data/math/float-step.ts';
-import { PositionSample, splatSize } from '../../data/packing/position-sample.ts';
-import type { SplatColumns } from '../../data/splats/splat-set.ts';
+import { floatStep } from '../../../data/math/float-step.ts';
+import { PositionSample, splatSize } from '../../../data/packing/position-sample.ts';
+import type { SplatColumns } from '../../../data/splats/splat-set.ts';
 
 /** A float32 step is too coarse if it exceeds this fraction of the splat's size, or of the median size. */
 const MOST_STEP = 1 / 2;

@@ -1,18 +1,18 @@
-import { floatStep } from '../../data/math/float-step.ts';
-import type { Vec3 } from '../../data/math/mat4.ts';
-import { selectValue } from '../../data/math/select-value.ts';
-import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
-import type { Harmonics } from '../../data/packing/harmonics.ts';
-import { chooseOrigin } from '../../data/packing/origin.ts';
-import { PositionSample } from '../../data/packing/position-sample.ts';
+import { floatStep } from '../../../data/math/float-step.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { selectValue } from '../../../data/math/select-value.ts';
+import { centerBounds, emptyBounds } from '../../../data/packing/center-bounds.ts';
+import type { Harmonics } from '../../../data/packing/harmonics.ts';
+import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { PositionSample } from '../../../data/packing/position-sample.ts';
 import {
   addDrops,
   type DropCounts,
   type FileFacts,
   type ShDegree,
   type SplatSet,
-} from '../../data/splats/splat-set.ts';
-import { type TimeRange, timeRangeOf } from '../../features/motion/splat-motion.data.ts';
+} from '../../../data/splats/splat-set.ts';
+import { type TimeRange, timeRangeOf } from '../../../features/motion/splat-motion.data.ts';
 
 /** Fraction of the splats that `positionStep` covers. */
 const BULK = 9 / 10;

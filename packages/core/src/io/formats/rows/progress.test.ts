@@ -1,13 +1,13 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import { ksplatBytes, randomSections } from '../../testing/ksplat-fixture.ts';
-import { randomSplats } from '../../testing/random-splats.ts';
-import { slowFile } from '../../testing/slow-file.ts';
-import { readSplats } from '../loading/read-splats.ts';
-import { ByteReader } from '../sources/byte-reader.ts';
-import type { LoadProgress } from '../sources/splat-source.ts';
+import { ksplatBytes, randomSections } from '../../../testing/ksplat-fixture.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { slowFile } from '../../../testing/slow-file.ts';
+import { readSplats } from '../../loading/read-splats.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
+import type { LoadProgress } from '../../sources/splat-source.ts';
+import type { SplatInput } from '../read-format.ts';
+import { writeSplats } from '../writers.ts';
 import { ReadProgress } from './progress.ts';
-import type { SplatInput } from './read-format.ts';
-import { writeSplats } from './writers.ts';
 
 beforeEach(() => {
   vi.useFakeTimers({ toFake: ['performance'] });

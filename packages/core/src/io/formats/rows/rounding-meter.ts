@@ -1,7 +1,7 @@
-import { floatStep } from '../../data/math/float-step.ts';
-import { type Harmonics, readCoefficients } from '../../data/packing/harmonics.ts';
-import { PositionSample, splatSize } from '../../data/packing/position-sample.ts';
-import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../data/splats/splat-set.ts';
+import { floatStep } from '../../../data/math/float-step.ts';
+import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { PositionSample, splatSize } from '../../../data/packing/position-sample.ts';
+import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../../data/splats/splat-set.ts';
 
 /** A position step is too coarse if it exceeds this fraction of the splat's size. */
 const MOST_STEP = 1 / 2;

@@ -1,5 +1,5 @@
-import type { LoadProgress } from '../sources/splat-source.ts';
-import type { SplatInput } from './read-format.ts';
+import type { LoadProgress } from '../../sources/splat-source.ts';
+import type { SplatInput } from '../read-format.ts';
 
 /** Least time between two reports. */
 const REPORT_EVERY_MS = 30;

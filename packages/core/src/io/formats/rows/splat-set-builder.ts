@@ -1,22 +1,22 @@
-import { SplatFileError } from '../../data/errors.ts';
-import type { Vec3 } from '../../data/math/mat4.ts';
-import { ShReachMeter } from '../../data/packing/band-reach.ts';
-import { centerBounds } from '../../data/packing/center-bounds.ts';
-import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../data/packing/harmonics.ts';
-import { chooseOrigin } from '../../data/packing/origin.ts';
-import { PositionSample } from '../../data/packing/position-sample.ts';
-import type { OwnShPrecision } from '../../data/packing/precision.ts';
-import { COLUMNS, mapColumns, OPTIONAL_COLUMNS, type OptionalColumn } from '../../data/splats/columns.ts';
-import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { ShReachMeter } from '../../../data/packing/band-reach.ts';
+import { centerBounds } from '../../../data/packing/center-bounds.ts';
+import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import { chooseOrigin } from '../../../data/packing/origin.ts';
+import { PositionSample } from '../../../data/packing/position-sample.ts';
+import type { OwnShPrecision } from '../../../data/packing/precision.ts';
+import { COLUMNS, mapColumns, OPTIONAL_COLUMNS, type OptionalColumn } from '../../../data/splats/columns.ts';
+import { ROW_SLOT, reasonToDrop } from '../../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type DropCounts,
   type FileFacts,
   type ShDegree,
   type SplatSet,
-} from '../../data/splats/splat-set.ts';
+} from '../../../data/splats/splat-set.ts';
+import type { OnPiece } from '../read-format.ts';
 import { CoarsePlaces } from './coarse-places.ts';
-import type { OnPiece } from './read-format.ts';
 import { emptyError } from './splat-counts.ts';
 
 const FIRST_CAPACITY = 4096;

@@ -1,13 +1,13 @@
 import { describe, expect, test } from 'vitest';
-import { SplatFileError } from '../../data/errors.ts';
-import type { PackedHarmonics } from '../../data/packing/harmonics.ts';
-import type { RowLayout } from '../../data/packing/row-layout.ts';
-import { ROW_SLOT } from '../../data/splats/splat-row.ts';
-import type { ShDegree, SplatSet } from '../../data/splats/splat-set.ts';
-import { randomSplats } from '../../testing/random-splats.ts';
-import { ByteReader } from '../sources/byte-reader.ts';
-import { openSource } from '../sources/open-source.ts';
-import type { LoadProgress } from '../sources/splat-source.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
+import type { RowLayout } from '../../../data/packing/row-layout.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import type { ShDegree, SplatSet } from '../../../data/splats/splat-set.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
+import { openSource } from '../../sources/open-source.ts';
+import type { LoadProgress } from '../../sources/splat-source.ts';
 import { type DecodedRows, deliverRows, rowLength } from './decoded-rows.ts';
 import type { RowSink } from './row-sink.ts';
 

@@ -1,5 +1,5 @@
-import { type FilePlace, SplatFileError } from '../../data/errors.ts';
-import type { DropCounts } from '../../data/splats/splat-set.ts';
+import { type FilePlace, SplatFileError } from '../../../data/errors.ts';
+import type { DropCounts } from '../../../data/splats/splat-set.ts';
 
 /** Largest number of splats that `SplatSet.fileIndices` can index. */
 const MAX_SPLATS = 2 ** 32 - 1;

@@ -1,4 +1,4 @@
-import { agreedAntialiasing, type ShDegree } from '../../data/splats/splat-set.ts';
+import { agreedAntialiasing, type ShDegree } from '../../../data/splats/splat-set.ts';
 import { type DecodedRows, rowLength } from './decoded-rows.ts';
 
 /**

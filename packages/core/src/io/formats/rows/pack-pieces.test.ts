@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
-import { ROW_SLOT } from '../../data/splats/splat-row.ts';
-import { Turns } from '../../data/turns.ts';
-import { seededRandom } from '../../testing/seeded-random.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { Turns } from '../../../data/turns.ts';
+import { seededRandom } from '../../../testing/seeded-random.ts';
 import { LEFT_OUT, packPieces } from './pack-pieces.ts';
 
 const row = new Float64Array(ROW_SLOT.harmonics);

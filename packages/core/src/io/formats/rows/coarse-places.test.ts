@@ -1,10 +1,10 @@
 import { expect, test } from 'vitest';
-import type { Vec3 } from '../../data/math/mat4.ts';
-import { glbBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
-import { plyBytes, splatElement } from '../../testing/ply-fixture.ts';
-import { randomSplats } from '../../testing/random-splats.ts';
-import { rowsOf } from '../../testing/rows-of.ts';
-import { readSplatPieces, readSplats } from '../loading/read-splats.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { glbBytes, gltfOf, splatAttributes } from '../../../testing/gltf-fixture.ts';
+import { plyBytes, splatElement } from '../../../testing/ply-fixture.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { rowsOf } from '../../../testing/rows-of.ts';
+import { readSplatPieces, readSplats } from '../../loading/read-splats.ts';
 
 const [NEAR, FAR]: readonly Vec3[] = [
   [0, 0, 0],

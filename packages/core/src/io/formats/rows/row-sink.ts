@@ -1,4 +1,4 @@
-import type { RowLayout } from '../../data/packing/row-layout.ts';
+import type { RowLayout } from '../../../data/packing/row-layout.ts';
 
 /** Receives the raw rows of a file in pieces, after the values of its palette, if it has one. */
 export interface RowSink {

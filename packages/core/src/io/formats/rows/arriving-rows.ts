@@ -1,5 +1,5 @@
-import { SplatFileError } from '../../data/errors.ts';
-import type { SplatInput } from './read-format.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { SplatInput } from '../read-format.ts';
 
 /** Location of a file's next row. */
 export interface RowSource {

@@ -1,5 +1,5 @@
-import { type ByteLayout, valueOfByte } from '../../data/packing/row-layout.ts';
-import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { type ByteLayout, valueOfByte } from '../../../data/packing/row-layout.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { RowSource } from './arriving-rows.ts';
 
 /**

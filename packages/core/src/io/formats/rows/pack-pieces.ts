@@ -1,15 +1,15 @@
-import type { SplatCells } from '../../data/bricks/leaf-scene.ts';
-import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import { centerBounds } from '../../data/packing/center-bounds.ts';
-import { chunkCountOf, logScalesOf, maxScaleOf } from '../../data/packing/chunks.ts';
-import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
-import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
-import { mortonFrame, mortonOrder } from '../../data/packing/morton-order.ts';
-import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
-import type { ShDegree } from '../../data/splats/splat-set.ts';
-import type { Turns } from '../../data/turns.ts';
+import type { SplatCells } from '../../../data/bricks/leaf-scene.ts';
+import { CHUNK_WORDS } from '../../../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
+import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
+import { centerBounds } from '../../../data/packing/center-bounds.ts';
+import { chunkCountOf, logScalesOf, maxScaleOf } from '../../../data/packing/chunks.ts';
+import { GEOMETRY_WORDS, packGeometry } from '../../../data/packing/geometry.ts';
+import { shWordsPerSplat } from '../../../data/packing/harmonics.ts';
+import { mortonFrame, mortonOrder } from '../../../data/packing/morton-order.ts';
+import { ROW_SLOT, reasonToDrop } from '../../../data/splats/splat-row.ts';
+import type { ShDegree } from '../../../data/splats/splat-set.ts';
+import type { Turns } from '../../../data/turns.ts';
 
 /** Most splats per piece. */
 const PIECE_SPLATS = LEVEL_CONSTANTS.CELL_CHILDREN * CHUNK_SPLATS;

@@ -1,17 +1,17 @@
-import type { Vec3 } from '../../data/math/mat4.ts';
-import type { PackedHarmonics } from '../../data/packing/harmonics.ts';
-import { type RowLayout, type RowPalette, rowsWithin } from '../../data/packing/row-layout.ts';
-import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
+import { type RowLayout, type RowPalette, rowsWithin } from '../../../data/packing/row-layout.ts';
+import { ROW_SLOT, reasonToDrop } from '../../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type FileFacts,
   type ShDegree,
   type SplatSet,
-} from '../../data/splats/splat-set.ts';
+} from '../../../data/splats/splat-set.ts';
+import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { type ByteHarmonics, copyRows, isShorter } from './byte-harmonics.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { ReadProgress } from './progress.ts';
-import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
 import { checkCount } from './splat-counts.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
