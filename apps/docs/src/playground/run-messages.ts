@@ -1,5 +1,6 @@
 /**
- * Request to run an example. It contains all files: a page with an opaque origin fetches nothing.
+ * Request to run an example. It contains all files, because the page that runs
+ * it has an opaque origin and can fetch none.
  */
 export interface RunMessage {
   readonly kind: 'run';

@@ -2,8 +2,8 @@ import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/me
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
+import { RestMeasurement } from './measure-at-rest.ts';
 import { AccuracyMeasurement } from './measure-presets.ts';
-import { Measurement } from './measurement.ts';
 
 const started: { options: MeasureAccuracyOptions; finish: (table: AccuracyTable) => void }[] = [];
 
@@ -37,7 +37,7 @@ beforeEach(() => {
   const engine = { device: { adapterInfo: { architecture: 'swiftshader', vendor: 'google' } } };
   const scenes = { newest: null };
   const viewer = { shownFrame: { engine, frame: {} }, isAtRest: true, scenes } as unknown as Viewer;
-  measurement = new AccuracyMeasurement(viewer, store, new Measurement(viewer, store));
+  measurement = new AccuracyMeasurement(viewer, store, new RestMeasurement(viewer, store));
 });
 
 describe('measuring accuracy', () => {

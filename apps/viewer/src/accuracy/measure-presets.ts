@@ -13,7 +13,7 @@ import { PRESET_NAMES } from '../state/accuracy.ts';
 import type { JudgedPicture, MeasuredAccuracy } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { ErrorMapTasks } from './error-map.worker.ts';
-import { Measurement, type MeasurementOptions } from './measurement.ts';
+import { RestMeasurement, type RestMeasurementOptions } from './measure-at-rest.ts';
 
 /**
  * What a sweep tries. A software rasterizer takes as long for a frame as a GPU for a hundred, with less
@@ -28,14 +28,14 @@ const SWEEPS = {
 } as const;
 
 export interface Measurements {
-  readonly measurement: Measurement;
+  readonly measurement: RestMeasurement;
   readonly accuracyMeasurement: AccuracyMeasurement;
   readonly stop: () => void;
 }
 
 /** Creates the measurements of the viewer's panels and for targets. They run until stopped. */
 export function startMeasurements(viewer: Viewer, store: ViewerStore): Measurements {
-  const measurement = new Measurement(viewer, store);
+  const measurement = new RestMeasurement(viewer, store);
   const accuracyMeasurement = new AccuracyMeasurement(viewer, store, measurement);
   const stops = [measurement.watch(), accuracyMeasurement.watch()];
   const stop = () => {
@@ -51,11 +51,11 @@ export function startMeasurements(viewer: Viewer, store: ViewerStore): Measureme
 export class AccuracyMeasurement {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
-  readonly #measurement: Measurement;
+  readonly #measurement: RestMeasurement;
   /** Settings before the target applied to this scene; restored if none is chosen. */
   #fallback: AccuracySettings;
 
-  constructor(viewer: Viewer, store: ViewerStore, measurement: Measurement) {
+  constructor(viewer: Viewer, store: ViewerStore, measurement: RestMeasurement) {
     this.#viewer = viewer;
     this.#store = store;
     this.#measurement = measurement;
@@ -108,7 +108,7 @@ export class AccuracyMeasurement {
   }
 
   /** Draws the presets again for display, unless their pictures exist. */
-  async #judge({ image: { imageId }, signal, onProgress }: MeasurementOptions): Promise<void> {
+  async #judge({ image: { imageId }, signal, onProgress }: RestMeasurementOptions): Promise<void> {
     const store = this.#store;
     const total = PRESET_NAMES.length;
     if (Object.keys(store.getState().judged ?? {}).length === total) return;

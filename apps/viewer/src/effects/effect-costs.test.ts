@@ -1,6 +1,6 @@
 import type { MeasureEffectsOptions } from '@websplatter/core/measure';
 import { describe, expect, it, vi } from 'vitest';
-import { Measurement } from '../accuracy/measurement.ts';
+import { RestMeasurement } from '../accuracy/measure-at-rest.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore } from '../state/store.ts';
 import { describeCost, formatCost, measureEffectCosts, measureSwitchedOn } from './effect-costs.ts';
@@ -33,7 +33,7 @@ describe('an effect that is switched on', () => {
   function viewerOn(adapterInfo: object) {
     const store = createViewerStore();
     const drawn = { shownFrame: { engine: { device: { adapterInfo } }, frame: {} }, isAtRest: true };
-    return { store, drawn, measurement: new Measurement(drawn as unknown as Viewer, store) };
+    return { store, drawn, measurement: new RestMeasurement(drawn as unknown as Viewer, store) };
   }
   const GPU = { architecture: 'hopper', vendor: 'nvidia' };
   const SOFTWARE = { architecture: 'swiftshader', vendor: 'google' };

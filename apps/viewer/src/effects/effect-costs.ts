@@ -1,6 +1,6 @@
 import type { EffectCost } from '@websplatter/core/measure';
 import { formatMs } from '@websplatter/kit/format';
-import type { Measurement } from '../accuracy/measurement.ts';
+import type { RestMeasurement } from '../accuracy/measure-at-rest.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**
@@ -12,7 +12,7 @@ const SOFTWARE_FRAMES = 6;
 /** Measures the cost of each effect, or of one, for the current frame. */
 export async function measureEffectCosts(
   store: ViewerStore,
-  measurement: Measurement,
+  measurement: RestMeasurement,
   name?: string,
 ): Promise<void> {
   const { accuracy } = store.getState();
@@ -31,7 +31,7 @@ export async function measureEffectCosts(
  * Measures an effect's cost when it is switched on, after its first frame. Skipped on software
  * adapters, which would take seconds.
  */
-export function measureSwitchedOn(store: ViewerStore, measurement: Measurement, name: string): void {
+export function measureSwitchedOn(store: ViewerStore, measurement: RestMeasurement, name: string): void {
   if (measurement.isOnSoftware) return;
   const measure = () => {
     stop();

@@ -3,8 +3,8 @@ import type { EffectCost } from '@websplatter/core/measure';
 import { formatBytes, formatCount } from '@websplatter/kit/format';
 import { memo, useId } from 'react';
 import { useStore } from 'zustand';
+import type { RestMeasurement } from '../accuracy/measure-at-rest.ts';
 import { MeasureButton, timingCautions } from '../accuracy/measure-button.tsx';
-import type { Measurement } from '../accuracy/measurement.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import type { MeasuredEffects } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
@@ -13,7 +13,7 @@ import { describeCost, formatCost, measureEffectCosts, measureSwitchedOn } from 
 import { RequestedEffectsForm } from './requested-effects-form.tsx';
 
 interface EffectsProps extends PanelProps {
-  readonly measurement: Measurement;
+  readonly measurement: RestMeasurement;
 }
 
 /** Requests effects, and lists all effects with state, reason, memory and cost. */

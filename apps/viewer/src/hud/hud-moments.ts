@@ -55,8 +55,8 @@ export interface HudSources {
 }
 
 /**
- * An external store for React: a new moment at most every `FIGURES_INTERVAL_MS`, and at once when
- * figures are frozen or go on.
+ * An external store for React of values that were taken at one moment: at most once in
+ * `FIGURES_INTERVAL_MS`, and at once when a person freezes the figures or lets them go on.
  */
 export function hudMoments({ store, recorder, engine }: HudSources, isLarge: boolean) {
   let frames: LargeMoment['frames'] = { left: [], right: [] };
@@ -92,10 +92,10 @@ export function hudMoments({ store, recorder, engine }: HudSources, isLarge: boo
         timer = undefined;
         momentMs = performance.now();
         moment = read();
-        // React's time and the charts' count as the figures' own.
+        // The time that this panel reports as its own includes React's and that of drawing charts.
         flushSync(onChange);
         recorder.spend(performance.now() - momentMs);
-        // The memory shown was read earlier, perhaps of another scene. It is read again when it may be.
+        // The memory shown was read earlier, perhaps of another scene. It is read again after MEMORY_INTERVAL_MS.
         if (isLarge && !recorder.shown.isHudFrozen && memoryMs < momentMs)
           memoryTimer = setTimeout(take, memoryMs + MEMORY_INTERVAL_MS - momentMs);
       };

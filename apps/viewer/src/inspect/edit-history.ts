@@ -40,7 +40,7 @@ export class EditHistory {
    * @param name lower case, shown as in "Undo crop".
    * @param gesture successive edits with the same gesture are one undo step; null for a separate
    * step.
-   * @param beside what the edit changes beside this state, after it.
+   * @param beside a change outside of crop, selection and rulers: done after it, undone before it.
    */
   edit(
     name: string,

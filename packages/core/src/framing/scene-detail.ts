@@ -12,11 +12,11 @@ const MOST_CONTRAST = 4;
 /** Interest of splats whose colour equals their surroundings. */
 const LEAST_INTEREST = 0.3;
 /**
- * The part of a scene beyond so many times the reach of four fifths is astray: failed splats piled up
- * at one point may be more than a twentieth of the detail. Of 87 captures none reached beyond 2.1.
+ * Detail farther away than so many times the reach of four fifths of it is left out: failed splats that are
+ * piled up at one point may be more than a twentieth of the detail. Of 87 captures none reached beyond 2.1.
  */
 const FAR = 2.5;
-/** Weiszfeld's method, from the median of each axis. */
+/** Steps of Weiszfeld's method, which begins at the median of each axis. */
 const MEDIAN_STEPS = 6;
 
 /**
@@ -105,7 +105,7 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
 }
 
 /**
- * How far colours are from the mean colour of the splats around, in parts of the mean of all; at
+ * How far colours are from the mean colour of the splats around, divided by the mean of these distances; at
  * most MOST_CONTRAST.
  */
 function contrastsOf(

@@ -34,9 +34,9 @@ export interface CompareContext {
 }
 
 /**
- * Compares two layers of premultiplied RGBA on the GPU. The result equals the `raw` result of
- * `compareImages` for the two layers read back, except for the rounding of float32. The percentile
- * has a relative error of at most 1/256.
+ * Compares two layers of premultiplied RGBA on the GPU. The result is that of `compareImages` of
+ * measure.reference.ts with `quantize: 'raw'`, except for the rounding of float32. The percentile has a
+ * relative error of at most 1/256.
  *
  * Submits before it returns, so that later drawing into the textures makes no difference.
  *

@@ -60,7 +60,7 @@ export interface MeasureAccuracyOptions {
   readonly details?: readonly FixedDetail[];
   /** Settings that are changed one at a time; default `balanced`. */
   readonly base?: Accuracy;
-  /** Names of the settings to change; default all. */
+  /** Names of the settings to change, one at a time; default all. None: the base and presets alone. */
   readonly settings?: readonly string[];
   /** Whether to measure the paper's ablations too; default true. */
   readonly ablations?: boolean;

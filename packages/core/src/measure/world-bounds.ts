@@ -2,7 +2,7 @@ import type { Bounds } from '../data/packing/packed-cloud.ts';
 import { worldMatrices } from '../frame/plan/cloud-instances.ts';
 import type { CloudInstance } from '../frame/plan/frame-request.ts';
 
-/** Returns the bounds of all clouds together, in world space. */
+/** Returns bounds of all clouds without their outermost splats, in world space; a point at 0 without splats. */
 export function worldBounds(clouds: readonly CloudInstance[]): Bounds {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];

@@ -228,8 +228,8 @@ export const ACCURACY_PRESETS: Readonly<Record<AccuracyPreset, AccuracySettings 
   },
   /**
    * The largest measured savings for the least visible error (docs/accuracy.md): half the bytes of
-   * every blended layer, smaller quads, and keys so short that most splats are drawn in storage
-   * order.
+   * every blended layer, smaller quads, and keys so short that many splats share one, and are drawn in
+   * storage order among themselves.
    */
   fast: {
     geometryPrecision: 'packed',

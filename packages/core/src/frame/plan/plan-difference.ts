@@ -11,7 +11,7 @@ import type { LevelCut } from './level-cut.ts';
 /** The parts of plans that tell whether they draw the same splats in the same order. */
 type PlannedOrder = Pick<FramePlan, 'request' | 'camera' | 'clouds' | 'shape' | 'budget'>;
 
-/** Whether both frames show the same splats in the same places and order, by any rasteriser. */
+/** Whether both frames show the same splats in the same places and order. Their rasterisers may differ. */
 export function isSameOrder(a: PlannedOrder, b: PlannedOrder): boolean {
   return isSameCamera(a.camera, b.camera) && showsSameSplats(a, b);
 }
@@ -38,7 +38,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];
       return (
-        // The last preview of a load has the planes of the cloud, but no rows to pick.
+        // Not by planes alone: the last preview of a load shares those of the cloud, which has rows to pick.
         a.shape.clouds[i].cloud === b.shape.clouds[i].cloud &&
         a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
         a.shape.clouds[i].levels === b.shape.clouds[i].levels &&

@@ -182,7 +182,7 @@ function toPixels(projection: Projection, centerView: ArrayLike<number>): [numbe
   ];
 }
 
-/** Reference of compact-chunks: numbers of the chunks whose flag is 1, in storage order. */
+/** Numbers of the chunks whose flag is 1, in storage order. */
 export function compactChunks(flags: ArrayLike<number>): number[] {
   return Array.from(flags).flatMap((flag, chunk) => (flag === 1 ? [chunk] : []));
 }
@@ -244,7 +244,7 @@ export function planCull(flags: ArrayLike<number>, pages: readonly PageChunks[])
   return { slots, slotCount, workgroups: [...slots.map((page) => page.slotCount), slotCount] };
 }
 
-/** Reference of prefix-scan: n + 1 exclusive sums of n counts, modulo 2^32, the total last. */
+/** n + 1 exclusive sums of n counts, modulo 2^32, the total last. */
 export function prefixScan(counts: ArrayLike<number>): Uint32Array {
   const sums = new Uint32Array(counts.length + 1);
   for (let i = 0; i < counts.length; i++) sums[i + 1] = sums[i] + counts[i];

@@ -1,5 +1,9 @@
+// A grid over the volumes of a cloud. Each of its cells has a block of words with a bit for each volume that may act in
+// the cell, so that a splat tests few of many volumes. The first block is for all places outside of the grid.
+// `volumes.wgsl` reads it.
+
 /**
- * Volumes per word of a cell: float32 holds so many bits exactly. Shaders read words as numbers, because
+ * Volumes per word of a block: float32 holds so many bits exactly. Shaders read words as numbers, because
  * devices may flush small floats with other bits to 0.
  */
 const WORD_BITS = 24;
@@ -8,9 +12,9 @@ const VECTOR_BITS = 4 * WORD_BITS;
 const FEWEST_VOLUMES = 3;
 /** More cells along an axis would save little. */
 const MOST_CELLS = 8;
-/** Most vec4f of a list with a grid: as many as 256 volumes take with the room of a power of two. */
+/** Most vec4f of a list and its grid: 256 volumes alone take 1 + 7 · 256, in buffers of a power of two. */
 const MOST_VECTORS = 2048;
-/** Where the cells begin: the grid's first corner, and its cells per unit. */
+/** vec4f in front of the blocks: the grid's first corner, and its cells per unit. */
 const GRID_VECTORS = 2;
 /** Cells reach this part of their size into their neighbours: shaders round. */
 const OVERLAP = 1e-3;
@@ -66,8 +70,9 @@ export function gridOf(reaches: readonly VolumeReach[], cells: number): number[]
     const bit = 2 ** (volume % WORD_BITS);
     if (!sphere) words[word] += bit;
     const squares = extents.map((extent, axis) => squaredDistances(sphere, extent, axis, cells));
-    const tests = slabs.map((slab) => inCells(slab, extents));
+    const tests = slabs.map((slab) => slabInCells(slab, extents));
     const squaredRadius = sphere ? sphere.radius ** 2 : 0;
+    // The first block is not a cell's.
     let at = word;
     for (let z = 0; z < cells; z++)
       for (let y = 0; y < cells; y++)
@@ -103,8 +108,8 @@ function squaredDistances(
   });
 }
 
-/** Returns a slab for the numbers of cells in place of points, with room for all of a cell. */
-function inCells({ factors, most }: Slab, extents: readonly Extent[]) {
+/** The slab in units of cells: cell (x, y, z) may meet it if |offset + step · (x, y, z)| ≤ most. */
+function slabInCells({ factors, most }: Slab, extents: readonly Extent[]) {
   const step = extents.map(({ size }, axis) => factors[axis] * size);
   const atFirst = extents.reduce((sum, { first }, axis) => sum + factors[axis] * first, factors[3]);
   const room = step.reduce((sum, length) => sum + (0.5 + OVERLAP) * Math.abs(length), 0);

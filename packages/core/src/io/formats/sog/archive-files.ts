@@ -10,7 +10,7 @@ import { LEADING, type ReadSceneFile, readOpened, type SceneFilesOfSog } from '.
 /**
  * Opens the files of a streamed SOG in an archive. Null if the archive contains none, or several.
  *
- * Rejects as `openSceneFiles`.
+ * Rejects with SplatFileError if the archive is damaged, and with the signal's reason.
  */
 export async function archiveFiles(
   source: Blob,

@@ -6,7 +6,7 @@ import type { MeasuredImage, MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
 
-export interface MeasurementOptions {
+export interface RestMeasurementOptions {
   readonly image: MeasuredImage;
   readonly signal: AbortSignal;
   readonly onProgress: (progress: MeasureProgress) => void;
@@ -16,7 +16,7 @@ export interface MeasurementOptions {
  * Runs measurements of the current frame and writes their progress to the store. One at a time: two
  * would slow each other down.
  */
-export class Measurement {
+export class RestMeasurement {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
   #running: AbortController | null = null;
@@ -51,7 +51,7 @@ export class Measurement {
    */
   async run(
     of: MeasuredThing,
-    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<void>,
+    work: (shown: ShownFrame, options: RestMeasurementOptions) => Promise<void>,
   ): Promise<void> {
     if (!this.#viewer.shownFrame || this.#running) return;
     const store = this.#store;
