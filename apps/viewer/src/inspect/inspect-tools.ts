@@ -1,5 +1,5 @@
 import type { Viewer } from '../engine/viewer.ts';
-import type { Look } from '../scene/inspect-messages.ts';
+import type { SceneLook } from '../scene/inspect-messages.ts';
 import type { Inspecting } from '../state/inspecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { SceneReader } from './scene-reader.ts';
@@ -14,7 +14,7 @@ export interface InspectTools {
 }
 
 /** The camera of the frame on the screen; null before there is one. */
-export function shownLook({ viewer }: Pick<InspectTools, 'viewer'>): Look | null {
+export function shownLook({ viewer }: Pick<InspectTools, 'viewer'>): SceneLook | null {
   const { shownFrame } = viewer;
   if (!shownFrame) return null;
   const { frame, isFlipped } = shownFrame;

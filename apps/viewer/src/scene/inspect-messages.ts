@@ -12,7 +12,7 @@ export interface CloudToRead {
 }
 
 /** The camera, and the orientation of the scene. */
-export interface Look {
+export interface SceneLook {
   /** Column-major. */
   readonly viewMatrix: readonly number[];
   readonly projectionMatrix: readonly number[];
@@ -31,7 +31,7 @@ export type Region =
       readonly dragged: DragRegion;
       readonly width: number;
       readonly height: number;
-      readonly look: Look;
+      readonly look: SceneLook;
     }
   /** Splats beyond a limit; see `floaterTest`. */
   | { readonly kind: 'floaters'; readonly filter: FloaterFilter; readonly limit: number }
@@ -60,7 +60,7 @@ export interface Answers {
   /** A colour for marks that differs from the scene, sRGB, 0…1. */
   markColor: { readonly question: null; answer: Vec3 };
   /** Bounding box of all centres in the image; null if there are none. */
-  seen: { readonly question: Look; answer: Bounds | null };
+  seen: { readonly question: SceneLook; answer: Bounds | null };
 }
 
 export type Topic = keyof Answers;

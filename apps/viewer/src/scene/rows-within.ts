@@ -4,7 +4,7 @@ import { subtract, type Vec3 } from '../state/vec3.ts';
 import { baseColorOf } from './base-color.ts';
 import { floaterTest } from './floaters.ts';
 import { binOf } from './histogram.ts';
-import type { Look, Region } from './inspect-messages.ts';
+import type { Region, SceneLook } from './inspect-messages.ts';
 import { eachCenter, imagePlace, type ReadCloud, VALUES } from './scene-answers.ts';
 
 type IsWithin = (cloud: ReadCloud, index: number, center: Vec3) => boolean;
@@ -67,7 +67,7 @@ function testOf(region: Exclude<Region, { kind: 'floaters' }>, histogramsOf: () 
   }
 }
 
-function isInImage(look: Look, center: Vec3, isIn: (xPart: number, yPart: number) => boolean): boolean {
+function isInImage(look: SceneLook, center: Vec3, isIn: (xPart: number, yPart: number) => boolean): boolean {
   const place = imagePlace(look, center);
   return place !== null && isIn((1 + place[0]) / 2, (1 - place[1]) / 2);
 }

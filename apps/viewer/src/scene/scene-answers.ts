@@ -5,7 +5,7 @@ import type { Histogram, Histograms, Quantity } from '../state/inspecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { baseColorOf } from './base-color.ts';
 import { binOf, opacityEdges, scaleEdges } from './histogram.ts';
-import type { Look } from './inspect-messages.ts';
+import type { SceneLook } from './inspect-messages.ts';
 
 /** A cloud of the scene with the values of its file. */
 export interface ReadCloud {
@@ -126,7 +126,7 @@ function hueOf([r, g, b]: Vec3): number {
 }
 
 /** Bounding box of all centres in the image, in the scene's own space; null if there are none. */
-export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds | null {
+export function boundsInImage(clouds: readonly ReadCloud[], look: SceneLook): Bounds | null {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
   eachCenter(clouds, (center) => {
@@ -141,7 +141,7 @@ export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds 
 
 /** Image position of a point of the scene: right and up, −1…1; null outside of the image. */
 export function imagePlace(
-  { viewMatrix, projectionMatrix: p, isFlipped }: Look,
+  { viewMatrix, projectionMatrix: p, isFlipped }: SceneLook,
   point: Vec3,
 ): readonly [right: number, up: number] | null {
   const [x, y, z] = transformedPoint(viewMatrix, isFlipped ? flippedPoint(point) : point);

@@ -8,7 +8,7 @@ export interface LayerImage {
 }
 
 /** Pace of the newest run of frames. */
-export interface FrameRate {
+export interface MeasuredRate {
   /** Mean time between frames. */
   readonly frameMs: number;
   readonly framesPerSecond: number;
@@ -52,7 +52,7 @@ export interface FramesState {
   readonly streaming: Streaming | null;
   readonly lastRender: RenderCall | null;
   /** Null after a single frame, which has no pace. */
-  readonly frameRate: FrameRate | null;
+  readonly frameRate: MeasuredRate | null;
 }
 
 /** Whether a scene that streams has nothing on the screen yet, and more of it is on the way. */

@@ -3,7 +3,7 @@ import { internAccuracy } from '../data/accuracy/accuracy.ts';
 import { frameStages } from '../frame/frame-passes.ts';
 import type { FrameShape } from '../frame/plan/frame-shape.ts';
 import { blockKeysOf, sortShapeFor } from '../stages/sort/sort.ts';
-import { type DrawnFrame, leastBytes } from './least-bytes.ts';
+import { type CountedFrame, leastBytes } from './least-bytes.ts';
 
 /** Labels of the passes of frames outside of other renderers. */
 const PARTS = ['pre-process', 'sort', 'tile lists', 'tiles', 'rasterize', 'upscale', 'composite'];
@@ -32,7 +32,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output'], ke
   };
 }
 
-function frameOf(shape: FrameShape): DrawnFrame {
+function frameOf(shape: FrameShape): CountedFrame {
   const { rasterizer } = shape;
   const statistics = {
     candidateSplats: 6000,

@@ -19,7 +19,7 @@ export interface PassBytes {
 }
 
 /** A frame that was drawn, without a host. */
-export interface DrawnFrame {
+export interface CountedFrame {
   readonly shape: FrameShape;
   readonly statistics: Pick<
     FrameStatistics,
@@ -196,7 +196,7 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
  * plans, and no blending: neither pixels that several quads cover, nor splats that several tiles
  * load. Takes no tile to end before its last splat.
  */
-export function leastBytes(frame: DrawnFrame): (part: string, stage: string) => PassBytes | null {
+export function leastBytes(frame: CountedFrame): (part: string, stage: string) => PassBytes | null {
   const counts = countsOf(frame);
   return (part, stage) => {
     const rule = RULES[part]?.[stage];
@@ -206,7 +206,7 @@ export function leastBytes(frame: DrawnFrame): (part: string, stage: string) => 
   };
 }
 
-function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
+function countsOf({ shape, statistics, size, pixelBytes }: CountedFrame): Counts {
   const { clouds, accuracy } = shape;
   const { candidateSplats, visibleSplats, rasterizer, tilePairs } = statistics;
   const layer = layerSize(size, accuracy);

@@ -1,7 +1,7 @@
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { rotationMatrix } from './covariance.ts';
-import type { UnpackedSplat } from './packing.ts';
+import type { ReferenceSplat } from './packing.ts';
 
 /** A Gaussian with a weight: a splat, or several that were merged. */
 export interface Merged {
@@ -76,7 +76,7 @@ function footprint([xx, yy, zz, yz, xz, xy]: readonly number[], [x, y, z]: Vec3)
 }
 
 /** Mean over the directions of the footprint of a splat, which may be a needle or a disc. */
-function meanFootprint({ rotation, scale: [a, b, c] }: Pick<UnpackedSplat, 'rotation' | 'scale'>): number {
+function meanFootprint({ rotation, scale: [a, b, c] }: Pick<ReferenceSplat, 'rotation' | 'scale'>): number {
   const r = rotationMatrix(...rotation);
   const along = (column: number, [x, y, z]: Vec3) => r[column] * x + r[3 + column] * y + r[6 + column] * z;
   const areas = DIRECTIONS.map((n) =>
@@ -86,7 +86,7 @@ function meanFootprint({ rotation, scale: [a, b, c] }: Pick<UnpackedSplat, 'rota
 }
 
 /** `sums` of a splat that is a blob itself. */
-export function mergedOf(splat: UnpackedSplat, sums?: readonly [number, number]): Merged {
+export function mergedOf(splat: ReferenceSplat, sums?: readonly [number, number]): Merged {
   const rotation = rotationMatrix(...splat.rotation);
   const column = (axis: number) => [0, 1, 2].map((row) => rotation[3 * row + axis] * splat.scale[axis]);
   const axes = [column(0), column(1), column(2)];
@@ -159,7 +159,7 @@ export function merge(a: Merged, b: Merged): Merged {
 /** Opacity of a blob of this shape: above 1 where splats lie on top of each other. */
 export function blobOpacity(
   { weight }: Pick<Merged, 'weight'>,
-  shape: Pick<UnpackedSplat, 'rotation' | 'scale'>,
+  shape: Pick<ReferenceSplat, 'rotation' | 'scale'>,
 ): number {
   return Math.min(opacityOfCover(weight / meanFootprint(shape)), LEVEL_CONSTANTS.MOST_OPACITY);
 }

@@ -4,7 +4,7 @@ import { logScalesOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 
 /** Geometry and base colour of a splat as the GPU unpacks them, in the cloud's space. */
-export interface UnpackedSplat {
+export interface ReferenceSplat {
   readonly position: readonly [number, number, number];
   /** Peak opacity, 0…1. */
   readonly opacity: number;
@@ -17,7 +17,7 @@ export interface UnpackedSplat {
 }
 
 /** Reference of shaders/lib/packing.wgsl, in float64: splat `index` of `geometry`. */
-export function unpackSplat({ precision, words, chunks }: PackedGeometry, index: number): UnpackedSplat {
+export function unpackSplat({ precision, words, chunks }: PackedGeometry, index: number): ReferenceSplat {
   const at = index * GEOMETRY_WORDS[precision];
   const v = words.subarray(at, at + GEOMETRY_WORDS[precision]);
   const f = new Float32Array(words.buffer, words.byteOffset + 4 * at, v.length);

@@ -12,7 +12,7 @@ import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { linkParts } from '../reference/level-link.ts';
 import { type Merged, mergedOf } from '../reference/merged-splat.ts';
-import { type UnpackedSplat, unpackSplat } from '../reference/packing.ts';
+import { type ReferenceSplat, unpackSplat } from '../reference/packing.ts';
 import type { TestGpu } from './test-gpu.ts';
 
 /** Words before the links of a chunk. */
@@ -24,7 +24,7 @@ export interface MadeNode {
   readonly isBlob: boolean;
   readonly slot: number;
   readonly link: number;
-  readonly splat: UnpackedSplat;
+  readonly splat: ReferenceSplat;
   readonly merged: Merged;
   readonly coefficients: Float64Array;
 }

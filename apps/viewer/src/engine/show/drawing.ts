@@ -16,7 +16,7 @@ import {
   NO_EFFECTS,
   type RequestedEffects,
 } from '../../state/effects.ts';
-import type { FrameRate } from '../../state/frames.ts';
+import type { MeasuredRate } from '../../state/frames.ts';
 import type { ViewerState, ViewerStore } from '../../state/store.ts';
 import type { Vec3 } from '../../state/vec3.ts';
 import { awaitsViewMode } from '../../state/view-mode.ts';
@@ -44,7 +44,7 @@ export class FrameMeter {
   }
 
   /** A frame was drawn at `completedMs`. Returns null for the first of a run, without a pace. */
-  add(completedMs: number): FrameRate | null {
+  add(completedMs: number): MeasuredRate | null {
     const times = this.#completedMs;
     times.push(completedMs);
     // Two frames are kept however slow they are.

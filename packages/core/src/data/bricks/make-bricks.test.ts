@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { blobOpacity, type Merged, mergedOf } from '../../reference/merged-splat.ts';
-import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
+import { type ReferenceSplat, unpackSplat } from '../../reference/packing.ts';
 import { type LevelNode, mergeCell, mergedCoefficients } from '../../stages/merge/merge.reference.ts';
 import { paletteSplats } from '../../testing/palette-splats.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
@@ -27,8 +27,8 @@ async function bricksOf(scene: BrickScene): Promise<Map<number, Brick>> {
 interface Leaf {
   readonly merged: Merged;
   readonly opacity: number;
-  readonly scale: UnpackedSplat['scale'];
-  readonly rotation: UnpackedSplat['rotation'];
+  readonly scale: ReferenceSplat['scale'];
+  readonly rotation: ReferenceSplat['rotation'];
   readonly coefficients: number[];
 }
 

@@ -1,7 +1,7 @@
 import type { Bounds } from '../../data/packing/packed-cloud.ts';
 import { colorDcOf } from '../../data/splats/color-values.ts';
 import { GPU_FAULTS } from '../../data/splats/splat-set.ts';
-import type { UnpackedSplat } from '../../reference/packing.ts';
+import type { ReferenceSplat } from '../../reference/packing.ts';
 
 /** Columns of splats, as the application's buffers hold them without gaps. */
 export interface BufferColumns {
@@ -23,7 +23,7 @@ export function packBuffers(
   columns: BufferColumns,
   count: number,
   bounds: Bounds,
-): { readonly splats: readonly (UnpackedSplat | null)[]; readonly faults: readonly number[] } {
+): { readonly splats: readonly (ReferenceSplat | null)[]; readonly faults: readonly number[] } {
   const faults = GPU_FAULTS.map(() => 0);
   const splats = Array.from({ length: count }, (_, i) => {
     const splat = splatOf(columns, i);
@@ -56,7 +56,7 @@ function faultOf({ position, scale, rotation, opacity, color }: GivenSplat, { mi
   ].indexOf(false);
 }
 
-function drawn({ position, scale, rotation, opacity, color }: GivenSplat): UnpackedSplat {
+function drawn({ position, scale, rotation, opacity, color }: GivenSplat): ReferenceSplat {
   const [x, y, z, w] = rotation;
   const length = Math.hypot(...rotation);
   const [least, most] = [Math.exp(-MOST_LOG_SCALE), Math.exp(MOST_LOG_SCALE)];

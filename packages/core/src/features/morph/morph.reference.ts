@@ -1,7 +1,7 @@
 import type { PackedGeometry } from '../../data/packing/geometry.ts';
 import { type PackedHarmonics, packCoefficients, readCoefficients } from '../../data/packing/harmonics.ts';
 import { coefficientsPerSplat } from '../../data/splats/splat-set.ts';
-import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
+import { type ReferenceSplat, unpackSplat } from '../../reference/packing.ts';
 
 /** Reference of morph-geometry, in float64: the blended splats of two pages, before they are packed. */
 export function morphGeometry(
@@ -9,13 +9,13 @@ export function morphGeometry(
   second: PackedGeometry,
   count: number,
   amount: number,
-): UnpackedSplat[] {
+): ReferenceSplat[] {
   return Array.from({ length: count }, (_, i) =>
     morphSplat(unpackSplat(first, i), unpackSplat(second, i), amount),
   );
 }
 
-function morphSplat(a: UnpackedSplat, b: UnpackedSplat, amount: number): UnpackedSplat {
+function morphSplat(a: ReferenceSplat, b: ReferenceSplat, amount: number): ReferenceSplat {
   const blend = (from: number, to: number) => from * (1 - amount) + to * amount;
   const sign = dot(a.rotation, b.rotation) < 0 ? -1 : 1;
   const rotation = four((k) => blend(a.rotation[k], sign * b.rotation[k]));

@@ -8,7 +8,7 @@ import { logScaleRange } from '../../data/packing/log-scale.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { rotationMatrix } from '../../reference/covariance.ts';
-import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
+import { type ReferenceSplat, unpackSplat } from '../../reference/packing.ts';
 import { dispatchSize } from '../../stages/dispatch.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -75,7 +75,7 @@ async function skinOnGpu(precision: GeometryPrecision, skin = skinOf(), shaders 
   return { made, expected: reference(rest, skin.words, JOINTS.flat(), COUNT) };
 }
 
-function covarianceOf({ rotation, scale }: UnpackedSplat): number[] {
+function covarianceOf({ rotation, scale }: ReferenceSplat): number[] {
   const turn = rotationMatrix(...rotation);
   return [0, 1, 2].flatMap((row) =>
     [0, 1, 2].map((column) =>

@@ -3,7 +3,7 @@ import { principalAxes } from '../../data/math/principal-axes.ts';
 import { quaternionOfAxes } from '../../data/math/quaternion-of-axes.ts';
 import type { PackedGeometry } from '../../data/packing/geometry.ts';
 import { rotationMatrix } from '../../reference/covariance.ts';
-import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
+import { type ReferenceSplat, unpackSplat } from '../../reference/packing.ts';
 
 /**
  * Reference of skin-geometry, in float64: the moved splats, before they are packed. A splat's covariance
@@ -17,7 +17,7 @@ export function skinGeometry(
   influences: Uint32Array,
   joints: ArrayLike<number>,
   count: number,
-): UnpackedSplat[] {
+): ReferenceSplat[] {
   return Array.from({ length: count }, (_, i) => {
     const rows = blendedRows(influences[2 * i], influences[2 * i + 1], joints);
     return skinSplat(unpackSplat(rest, i), rows);
@@ -35,7 +35,7 @@ function blendedRows(indices: number, weights: number, joints: ArrayLike<number>
   return rows;
 }
 
-function skinSplat(splat: UnpackedSplat, rows: readonly number[]): UnpackedSplat {
+function skinSplat(splat: ReferenceSplat, rows: readonly number[]): ReferenceSplat {
   const linear = [0, 1, 2].flatMap((column) => [rows[column], rows[4 + column], rows[8 + column]]);
   const translation = [rows[3], rows[7], rows[11]];
   const turn = rotationMatrix(...splat.rotation);
@@ -60,6 +60,6 @@ function skinSplat(splat: UnpackedSplat, rows: readonly number[]): UnpackedSplat
     ...splat,
     position: position as unknown as Vec3,
     scale: scale as unknown as Vec3,
-    rotation: rotation.map((value) => value / length) as unknown as UnpackedSplat['rotation'],
+    rotation: rotation.map((value) => value / length) as unknown as ReferenceSplat['rotation'],
   };
 }

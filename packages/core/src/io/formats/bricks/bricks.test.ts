@@ -8,7 +8,7 @@ import { setLogScales } from '../../../data/packing/chunks.ts';
 import { readCoefficients, shWordsPerSplat } from '../../../data/packing/harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { rotationMatrix } from '../../../reference/covariance.ts';
-import { type UnpackedSplat, unpackSplat } from '../../../reference/packing.ts';
+import { type ReferenceSplat, unpackSplat } from '../../../reference/packing.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { crc32 } from '../../containers/crc32.ts';
@@ -25,7 +25,7 @@ import { encodeHarmonics } from './encode-harmonics.ts';
 import { openBricks } from './open-bricks.ts';
 import { write } from './write-bricks.ts';
 
-interface Leaf extends UnpackedSplat {
+interface Leaf extends ReferenceSplat {
   readonly sums: readonly number[];
   readonly coefficients: Float64Array;
 }
@@ -62,7 +62,7 @@ async function allBricks(scene: BrickScene): Promise<{ address: BrickAddress; br
 }
 
 /** Largest difference of the covariances, by the larger of both squared sizes. */
-function covarianceError(a: UnpackedSplat, b: UnpackedSplat): number {
+function covarianceError(a: ReferenceSplat, b: ReferenceSplat): number {
   const [first, second] = [a, b].map(({ rotation, scale }) => {
     const r = rotationMatrix(...rotation);
     return Array.from({ length: 9 }, (_, k) =>

@@ -12,7 +12,7 @@ import {
 } from '../../../data/splats/splat-set.ts';
 import { crc32 } from '../../containers/crc32.ts';
 import { unpackZlib } from '../../containers/gzip.ts';
-import { type Column, unpackColumns } from './frame-columns.ts';
+import { type FrameColumn, unpackColumns } from './frame-columns.ts';
 import {
   CHUNK_NUMBERS,
   COLOR_STEPS,
@@ -33,7 +33,7 @@ export interface KeyFrame {
   readonly origin: Vec3;
   /** CHUNK_NUMBERS for each chunk. */
   readonly chunks: Float32Array<ArrayBuffer>;
-  readonly columns: readonly Column[];
+  readonly columns: readonly FrameColumn[];
   /** 4N: unit quaternions w, x, y, z. */
   readonly rotations: Float64Array;
 }
@@ -71,7 +71,7 @@ export async function decodeKey(frame: PackedFrame): Promise<KeyFrame> {
 }
 
 /** Decodes the difference to a key frame. Rejects with SplatFileError 'truncated', 'damaged'. */
-export async function decodeDifference(frame: PackedFrame): Promise<readonly Column[]> {
+export async function decodeDifference(frame: PackedFrame): Promise<readonly FrameColumn[]> {
   return columnsOf(frame, await unpacked(frame));
 }
 
@@ -89,7 +89,7 @@ async function unpacked(frame: PackedFrame): Promise<Uint8Array<ArrayBuffer>> {
   return result;
 }
 
-function columnsOf(frame: PackedFrame, bytes: Uint8Array): readonly Column[] {
+function columnsOf(frame: PackedFrame, bytes: Uint8Array): readonly FrameColumn[] {
   const { shDegree, splatCount } = frame.entry;
   const columns = unpackColumns(bytes, columnCountOf(shDegree), splatCount);
   if (!columns) throw damaged(frame, 'has columns that cannot be read');
@@ -101,14 +101,14 @@ function damaged({ file, number, entry }: PackedFrame, message: string): SplatFi
 }
 
 /** Unit quaternions of a key frame. */
-export function rotationsOf(columns: readonly Column[], splatCount: number): Float64Array {
+export function rotationsOf(columns: readonly FrameColumn[], splatCount: number): Float64Array {
   const rotations = new Float64Array(4 * splatCount);
   for (let i = 0; i < splatCount; i++) turnOf(columns, i, rotations, 4 * i);
   return rotations;
 }
 
 /** Writes the unit quaternion of a splat's rotation vector. */
-function turnOf(columns: readonly Column[], i: number, target: Float64Array, at: number): void {
+function turnOf(columns: readonly FrameColumn[], i: number, target: Float64Array, at: number): void {
   const x = (columns[COLUMN.rotation]?.[i] ?? 0) / ROTATION_STEPS;
   const y = (columns[COLUMN.rotation + 1]?.[i] ?? 0) / ROTATION_STEPS;
   const z = (columns[COLUMN.rotation + 2]?.[i] ?? 0) / ROTATION_STEPS;
@@ -121,7 +121,7 @@ function turnOf(columns: readonly Column[], i: number, target: Float64Array, at:
 }
 
 /** Differences to a key frame; null: of the key frame itself. */
-type Difference = readonly Column[] | null;
+type Difference = readonly FrameColumn[] | null;
 
 /** The splats of a frame without harmonics, in storage order. */
 export function columnsOfSplats(key: KeyFrame, difference: Difference): SplatColumns {
@@ -184,7 +184,7 @@ function opacityLogitsOf(key: KeyFrame, difference: Difference): Float32Array {
 }
 
 /** A column of a key frame, and its difference. */
-type ColumnPair = readonly [own: Column, difference: Column];
+type ColumnPair = readonly [own: FrameColumn, difference: FrameColumn];
 
 function pairOf(key: KeyFrame, difference: Difference, column: number): ColumnPair {
   return [key.columns[column], difference?.[column] ?? null];

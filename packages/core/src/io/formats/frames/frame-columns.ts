@@ -4,7 +4,7 @@ import { unzigzag, zigzag } from '../bricks/planes.ts';
 // lowest byte first. Planes that are zero throughout are left out, and so a column of zeros is a byte.
 
 /** Integers of a property, one per splat; null: all are 0. */
-export type Column = Int32Array | null;
+export type FrameColumn = Int32Array | null;
 
 /** Lower bits of the flags: planes of a column. */
 const MOST_PLANES = 4;
@@ -13,7 +13,7 @@ const PLANES_MASK = 7;
 const IS_DIFFERENCE = 8;
 
 /** The columns of a frame as bytes, to be compressed. */
-export function packColumns(columns: readonly Column[], splatCount: number): Uint8Array<ArrayBuffer> {
+export function packColumns(columns: readonly FrameColumn[], splatCount: number): Uint8Array<ArrayBuffer> {
   const coded = columns.map((column) => column && codedColumn(column));
   const planes = coded.map((column) => (column ? planesOf(column.values) : 0));
   const bytes = new Uint8Array(columns.length + splatCount * planes.reduce((sum, each) => sum + each, 0));
@@ -53,8 +53,12 @@ function planesOf(values: Uint32Array): number {
 }
 
 /** The columns that `packColumns` has packed; null if the bytes are no such columns. */
-export function unpackColumns(bytes: Uint8Array, columnCount: number, splatCount: number): Column[] | null {
-  const columns: Column[] = [];
+export function unpackColumns(
+  bytes: Uint8Array,
+  columnCount: number,
+  splatCount: number,
+): FrameColumn[] | null {
+  const columns: FrameColumn[] = [];
   let at = 0;
   for (let i = 0; i < columnCount; i++) {
     const flags = bytes[at++];

@@ -21,7 +21,7 @@ import {
   type KeyFrame,
   type PackedFrame,
 } from './decode-frame.ts';
-import type { Column } from './frame-columns.ts';
+import type { FrameColumn } from './frame-columns.ts';
 import { COLUMN } from './frames-layout.ts';
 
 /** A frame and its key frame, still compressed. Can be posted. */
@@ -63,7 +63,7 @@ export async function packFrame(
   await turns.give();
   const { geometryPrecision } = precision;
   const shPrecision = ownShPrecision(precision.shPrecision);
-  const packed = (of: readonly Column[] | null) => {
+  const packed = (of: readonly FrameColumn[] | null) => {
     const set = { ...columnsOfSplats(key, of), ...frame.facts, harmonics: harmonicsOfSplats(key, of) };
     const facts = cloudFacts(set);
     return packStored(
@@ -123,7 +123,7 @@ async function decoded({
   id,
   key: packedKey,
   difference,
-}: FrameBytes): Promise<KeptKey & { readonly difference: readonly Column[] | null }> {
+}: FrameBytes): Promise<KeptKey & { readonly difference: readonly FrameColumn[] | null }> {
   const [kept, columns] = await Promise.all([
     KEYS.get(id, async () => ({ key: await decodeKey(packedKey), clouds: new Map() })),
     difference && decodeDifference(difference),

@@ -7,7 +7,7 @@ import { normalizedRotation } from '../../../data/packing/rotation.ts';
 import { opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { type KeyFrame, rotationsOf } from './decode-frame.ts';
-import type { Column } from './frame-columns.ts';
+import type { FrameColumn } from './frame-columns.ts';
 import {
   CHUNK_NUMBERS,
   COLOR_STEPS,
@@ -41,7 +41,7 @@ export function quantiseKey(set: SplatSet<Harmonics>): KeyFrame {
  * The difference between a key frame and the splats of a later frame, in the same order. Null if a splat has
  * moved too far for the key frame's steps.
  */
-export function quantiseDifference(set: SplatSet<Harmonics>, key: KeyFrame): readonly Column[] | null {
+export function quantiseDifference(set: SplatSet<Harmonics>, key: KeyFrame): readonly FrameColumn[] | null {
   const columns = quantised(set, key, key.rotations);
   for (const [i, column] of columns.entries()) {
     const before = isRotation(i) ? null : key.columns[i];
@@ -56,7 +56,7 @@ function isRotation(column: number): boolean {
   return column >= COLUMN.rotation && column < COLUMN.opacity;
 }
 
-function withoutZeros(columns: readonly Float64Array[]): Column[] {
+function withoutZeros(columns: readonly Float64Array[]): FrameColumn[] {
   return columns.map((column) => (column.some((value) => value !== 0) ? Int32Array.from(column) : null));
 }
 

@@ -5,7 +5,7 @@ import type { GltfJson, JsonObject } from './gltf-json.ts';
 type ColumnValues = Float32Array | Int8Array | Uint8Array | Int16Array | Uint16Array;
 
 /** The values of an accessor, as a view of the file. */
-export interface Column {
+export interface AccessorColumn {
   readonly values: ColumnValues;
   /** Numbers per row, contiguous. */
   readonly size: number;
@@ -64,7 +64,7 @@ export async function columnOf(
   index: unknown,
   rule: AttributeRule,
   rowCount: number,
-): Promise<Column> {
+): Promise<AccessorColumn> {
   const { semantic, type } = rule;
   const accessor = json.entryOf('accessors', index, semantic);
   const element = `accessors[${index}]`;
@@ -121,7 +121,7 @@ function kindOf(component: Component | undefined, { normalized }: JsonObject): N
  * @param targetStride numbers from one row to the next in `target`.
  */
 export function copyRows(
-  column: Column,
+  column: AccessorColumn,
   firstRow: number,
   rowCount: number,
   target: Float32Array,
@@ -135,7 +135,7 @@ export function copyRows(
 
 function copyFloats(
   values: Float32Array,
-  { size, stride }: Column,
+  { size, stride }: AccessorColumn,
   firstRow: number,
   rowCount: number,
   target: Float32Array,
@@ -151,7 +151,7 @@ function copyFloats(
 
 function copyIntegers(
   values: ColumnValues,
-  { size, stride, factor, least }: Column,
+  { size, stride, factor, least }: AccessorColumn,
   firstRow: number,
   rowCount: number,
   target: Float32Array,

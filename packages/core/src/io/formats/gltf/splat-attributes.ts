@@ -6,7 +6,13 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-
 import { type DecodedRows, rowLength } from '../rows/decoded-rows.ts';
 import { logScaleOf } from '../rows/flat-scale.ts';
 import { leftOutBands } from '../rows/left-out-bands.ts';
-import { type AttributeRule, type Column, columnOf, copyRows, rowCountOf } from './accessor-column.ts';
+import {
+  type AccessorColumn,
+  type AttributeRule,
+  columnOf,
+  copyRows,
+  rowCountOf,
+} from './accessor-column.ts';
 import type { GltfBuffers } from './gltf-buffers.ts';
 import type { GltfJson, JsonObject } from './gltf-json.ts';
 import { harmonicsSemantics, SPLATTING } from './gltf-semantics.ts';
@@ -35,7 +41,7 @@ const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_(\\d{1,2})_COEF_\\d+$`);
 const ROWS_AT_ONCE = 128;
 
 interface PlacedColumn {
-  readonly column: Column;
+  readonly column: AccessorColumn;
   /** Index within a row. */
   readonly slot: number;
 }

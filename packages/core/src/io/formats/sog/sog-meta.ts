@@ -12,7 +12,7 @@ export const MAX_META_BYTES = 2 ** 26;
 const MOST_META_VALUES = 2 ** 23;
 
 /** Decoded value of each byte, for one channel. */
-export type ByteValues = Float32Array;
+export type ChannelCodebook = Float32Array;
 
 /** Metadata of SOG, normalised over both versions. */
 export interface SogMeta {
@@ -23,9 +23,9 @@ export interface SogMeta {
   /** Range per axis of sign(v) ln(|v| + 1). */
   readonly positions: { readonly mins: readonly number[]; readonly maxs: readonly number[] };
   /** Log scales of the three axes, by the bytes of red, green and blue. */
-  readonly logScales: readonly ByteValues[];
+  readonly logScales: readonly ChannelCodebook[];
   /** Base colour by red, green and blue; opacity logit by alpha. */
-  readonly colors: readonly ByteValues[];
+  readonly colors: readonly ChannelCodebook[];
   readonly harmonics: SogHarmonics | null;
   readonly files: {
     readonly positionsLow: string;
@@ -37,7 +37,7 @@ export interface SogMeta {
 }
 
 export interface SogHarmonics {
-  readonly values: ByteValues;
+  readonly values: ChannelCodebook;
   /** Undefined in version 1, where the palette image's width determines it. */
   readonly degree: ShDegree | undefined;
   /** Number of palette entries; undefined in version 1. */
@@ -156,13 +156,13 @@ function paletteFiles(shN: JsonFields): Pick<SogHarmonics, 'paletteFile' | 'labe
   return { paletteFile, labelsFile };
 }
 
-function rangedValues(fields: JsonFields, channels: number): ByteValues[] {
+function rangedValues(fields: JsonFields, channels: number): ChannelCodebook[] {
   const mins = fields.numbers('mins', channels);
   const maxs = fields.numbers('maxs', channels);
   return mins.map((min, channel) => valuesBetween(min, maxs[channel]));
 }
 
-function valuesBetween(min: number, max: number): ByteValues {
+function valuesBetween(min: number, max: number): ChannelCodebook {
   return Float32Array.from({ length: 256 }, (_, byte) => min + (max - min) * (byte / 255));
 }
 
@@ -172,7 +172,7 @@ function degreeIn(shN: JsonFields): ShDegree {
 }
 
 /** Value of each byte, from a codebook of version 2. */
-function codebookOf(fields: JsonFields): ByteValues {
+function codebookOf(fields: JsonFields): ChannelCodebook {
   const values = fields.get('codebook');
   // Some writers omitted the first value; readers extrapolate it from the next ones.
   const isRight = (value: unknown, i: number) => Number.isFinite(value) || (i === 0 && value === null);
