@@ -34,6 +34,7 @@ vi.mock('@websplatter/three', () => ({
     test.measured.add(listener);
     return () => test.measured.delete(listener);
   }),
+  SplatCloudObject: class {},
   adoptRenderer: vi.fn(),
   findSplatEngine: vi.fn(),
   SplatLoader: class {

@@ -39,6 +39,7 @@ const test = vi.hoisted(() => ({
 
 vi.mock('./create-splat-renderer.ts', () => ({ createSplatRenderer: vi.fn() }));
 vi.mock('@websplatter/three', () => ({
+  SplatCloudObject: class {},
   onDeviceLost: (_renderer: object, listener: (info: object) => void) => test.loseDevice.push(listener),
 }));
 // The part of Canvas in question: it requests its renderer in a layout effect; throws without one.

@@ -30,6 +30,7 @@ const page = vi.hoisted(() => ({
 
 // Here tests say when files are read.
 vi.mock('@websplatter/three', () => ({
+  SplatCloudObject: class {},
   findSplatEngine: vi.fn(),
   SplatLoader: class {
     #renderer: unknown;
