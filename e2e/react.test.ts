@@ -104,7 +104,12 @@ const plus = ({ splats, passes }: { splats: number; passes: number }, frames: nu
 const image = (page: Page) => screenshot(page.getByTestId('canvas'));
 
 /** The image once it stays as it is. */
-const imageAtRest = (page: Page) => atRest(page, () => image(page));
+const imageAtRest = (page: Page) =>
+  atRest(page, async () => {
+    // Until the GPU is done, the screen has the picture before, on a busy machine for more than those frames.
+    await page.evaluate(() => window.page.engine('canvas').device.queue.onSubmittedWorkDone());
+    return image(page);
+  });
 
 const overlayOf = (page: Page) =>
   page.getByTestId('canvas').getByRole('group', { name: 'Cost of the splats' });
