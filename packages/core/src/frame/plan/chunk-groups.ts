@@ -2,45 +2,77 @@ import type { FrustumSide } from '../../data/camera/frustum.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { maxScaleOf } from '../../data/packing/chunks.ts';
 
-/** Chunks per group. Chunks lie in Morton order, so that the chunks of a group are neighbours. */
-const GROUP_CHUNKS = 16;
+/** Chunks per group, and groups per group above. They lie in Morton order, so that those of a group are neighbours. */
+const GROUP = 16;
 /** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep all that it keeps. */
 const SLACK = 1e-4;
 
-const { minPosition: MIN, minLogScale: SCALE, maxPosition: MAX, count: WORDS } = CHUNK_WORDS;
+const { minPosition: MIN, maxPosition: MAX, count: WORDS } = CHUNK_WORDS;
 
-/** Bounds of groups as `Chunk` structs, with largest scales at SCALE, by the chunks' buffer. */
-const known = new WeakMap<ArrayBuffer, Float32Array>();
+/** Bounds of chunks, or of groups of them. */
+interface Bounds {
+  /** As `Chunk` structs. */
+  readonly corners: Float32Array;
+  /** Largest standard deviation in each. */
+  readonly maxScales: Float64Array;
+}
+
+/** Bounds by the chunks' buffer: of chunks, of groups of them, of groups of groups, and so on. */
+const known = new WeakMap<ArrayBuffer, readonly Bounds[]>();
+
+function boundsOf(buffer: ArrayBuffer): readonly Bounds[] {
+  let levels = known.get(buffer);
+  if (!levels) {
+    const corners = new Float32Array(buffer);
+    const maxScales = Float64Array.from({ length: corners.length / WORDS }, (_, i) => maxScaleOf(corners, i));
+    const made: Bounds[] = [{ corners, maxScales }];
+    while (made[0].maxScales.length > GROUP) made.unshift(boundGroups(made[0], GROUP));
+    levels = made.reverse();
+    known.set(buffer, levels);
+  }
+  return levels;
+}
 
 /**
  * Returns the number of chunks that may reach into a frustum: all that the GPU finds there, and a
- * few at its sides. Most groups are wholly inside or outside, which spares their chunks the test:
- * six million splats take a quarter of the time.
+ * few at its sides. Most groups are wholly inside or outside, which spares what they hold the test. Others are tested
+ * against those planes alone that cut the group that holds them.
  *
  * @param buffer one `Chunk` struct per chunk; must not change.
  */
 export function countChunksInFrustum(buffer: ArrayBuffer, sides: readonly FrustumSide[]): number {
-  const chunks = new Float32Array(buffer);
-  let groups = known.get(buffer);
-  if (!groups) {
-    groups = boundGroups(chunks);
-    known.set(buffer, groups);
-  }
+  const levels = boundsOf(buffer);
+  const top = levels.length - 1;
+  return countWithin(levels, top, 0, levels[top].maxScales.length, sides, allOf(sides));
+}
+
+/** Counts the chunks of groups `first` to `end` of a level. */
+function countWithin(
+  levels: readonly Bounds[],
+  level: number,
+  first: number,
+  end: number,
+  sides: readonly FrustumSide[],
+  tested: number,
+): number {
+  const bounds = levels[level];
+  const chunksEach = GROUP ** level;
   let count = 0;
-  for (let group = 0; group < groups.length; group += WORDS) {
-    const start = group * GROUP_CHUNKS;
-    const end = Math.min(chunks.length, start + WORDS * GROUP_CHUNKS);
-    const areInside = isInside(sides, groups, group, groups[group + SCALE]);
-    if (areInside) count += (end - start) / WORDS;
-    if (areInside !== null) continue;
-    for (let at = start; at < end; at += WORDS)
-      if (isInside(sides, chunks, at, maxScaleOf(chunks, at / WORDS)) !== false) count++;
+  for (let at = first; at < end; at++) {
+    const cut = planesThatCut(sides, tested, bounds, at);
+    if (cut === OUTSIDE) continue;
+    if (level === 0) count++;
+    else if (cut === 0) count += Math.min(levels[0].maxScales.length - at * chunksEach, chunksEach);
+    else {
+      const last = Math.min(levels[level - 1].maxScales.length, GROUP * (at + 1));
+      count += countWithin(levels, level - 1, GROUP * at, last, sides, cut);
+    }
   }
   return count;
 }
 
-/** Bounds of all splats, as `Chunk` structs, with the largest scale of a blob at SCALE, by the same. */
-const knownWhole = new WeakMap<ArrayBuffer, Float32Array>();
+/** Bounds of all splats, with the largest scale of a blob, by the same buffer. */
+const knownWhole = new WeakMap<ArrayBuffer, Bounds>();
 
 /**
  * Whether any splat of a cloud may reach into a frustum, or any blob that stands for some of them.
@@ -50,55 +82,71 @@ const knownWhole = new WeakMap<ArrayBuffer, Float32Array>();
 export function mayReachIntoFrustum(buffer: ArrayBuffer, sides: readonly FrustumSide[]): boolean {
   let whole = knownWhole.get(buffer);
   if (!whole) {
-    const chunks = new Float32Array(buffer);
-    whole = boundGroups(chunks, chunks.length / WORDS);
-    const extents = [0, 1, 2].map((axis) => whole![MAX + axis] - whole![MIN + axis]);
+    const [chunks] = boundsOf(buffer);
+    whole = boundGroups(chunks, chunks.maxScales.length);
+    const { corners, maxScales } = whole;
+    const extents = [0, 1, 2].map((axis) => corners[MAX + axis] - corners[MIN + axis]);
     // A blob's variance is at most the variance of the centres that it merges plus the largest splat's.
-    whole[SCALE] = Math.hypot(0.5 * Math.hypot(...extents), whole[SCALE]);
+    maxScales[0] = Math.hypot(0.5 * Math.hypot(...extents), maxScales[0]);
     knownWhole.set(buffer, whole);
   }
-  return isInside(sides, whole, 0, whole[SCALE]) !== false;
+  return planesThatCut(sides, allOf(sides), whole, 0) !== OUTSIDE;
 }
 
-function boundGroups(chunks: Float32Array, groupChunks = GROUP_CHUNKS): Float32Array {
-  const groups = new Float32Array(WORDS * Math.ceil(chunks.length / WORDS / groupChunks));
-  for (let from = 0; from < chunks.length; from++) {
-    const word = from % WORDS;
-    const chunk = (from - word) / WORDS;
-    const to = WORDS * Math.floor(chunk / groupChunks) + word;
-    const isLow = word >= MIN && word < MIN + 3;
-    const isFirst = chunk % groupChunks === 0;
-    const value = word === SCALE ? maxScaleOf(chunks, chunk) : chunks[from];
-    groups[to] = isFirst ? value : (isLow ? Math.min : Math.max)(groups[to], value);
+function boundGroups({ corners, maxScales }: Bounds, each: number): Bounds {
+  const count = Math.ceil(maxScales.length / each);
+  const grouped = { corners: new Float32Array(WORDS * count), maxScales: new Float64Array(count) };
+  for (let i = 0; i < maxScales.length; i++) {
+    const group = Math.floor(i / each);
+    const isFirst = i % each === 0;
+    for (let axis = 0; axis < 3; axis++) {
+      const [low, high] = [WORDS * group + MIN + axis, WORDS * group + MAX + axis];
+      const [ownLow, ownHigh] = [corners[WORDS * i + MIN + axis], corners[WORDS * i + MAX + axis]];
+      grouped.corners[low] = isFirst ? ownLow : Math.min(grouped.corners[low], ownLow);
+      grouped.corners[high] = isFirst ? ownHigh : Math.max(grouped.corners[high], ownHigh);
+    }
+    grouped.maxScales[group] = Math.max(grouped.maxScales[group], maxScales[i]);
   }
-  return groups;
+  return grouped;
+}
+
+/** Bounds are wholly outside of a plane. */
+const OUTSIDE = -1;
+
+/** A bit for each plane. */
+function allOf(sides: readonly FrustumSide[]): number {
+  return 2 ** sides.length - 1;
 }
 
 /**
- * Tests bounds against all frustum planes; null if the bounds are partly inside. The result also holds
- * for parts of the bounds: a part's nearest corner is no nearer to a plane, and its slack is no larger.
+ * Returns a bit for each of the `tested` planes that cut bounds, with all that their splats reach; OUTSIDE if one of
+ * them has all of it behind. The result also holds for parts of the bounds: a part's nearest corner is no nearer to a
+ * plane, and its slack is no larger.
  */
-function isInside(
+function planesThatCut(
   sides: readonly FrustumSide[],
-  bounds: Float32Array,
-  at: number,
-  maxScale: number,
-): boolean | null {
-  let isWhole = true;
-  for (const { normal, offset, reach } of sides) {
-    const extent = reach * maxScale;
+  tested: number,
+  { corners, maxScales }: Bounds,
+  index: number,
+): number {
+  const at = WORDS * index;
+  let cut = 0;
+  for (let i = 0; i < sides.length; i++) {
+    if ((tested & (1 << i)) === 0) continue;
+    const { normal, offset, reach } = sides[i];
+    const extent = reach * maxScales[index];
     let nearest = offset + extent;
     let farthest = offset;
     let magnitude = Math.abs(offset) + extent;
     for (let axis = 0; axis < 3; axis++) {
-      const low = normal[axis] * bounds[at + MIN + axis];
-      const high = normal[axis] * bounds[at + MAX + axis];
+      const low = normal[axis] * corners[at + MIN + axis];
+      const high = normal[axis] * corners[at + MAX + axis];
       nearest += Math.max(low, high);
       farthest += Math.min(low, high);
       magnitude += Math.abs(low) + Math.abs(high);
     }
-    if (nearest + SLACK * magnitude < 0) return false;
-    isWhole &&= farthest >= 0;
+    if (nearest + SLACK * magnitude < 0) return OUTSIDE;
+    if (!(farthest >= 0)) cut |= 1 << i;
   }
-  return isWhole || null;
+  return cut;
 }
