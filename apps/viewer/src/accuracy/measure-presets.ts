@@ -16,8 +16,8 @@ import type { ErrorMapTasks } from './error-map.worker.ts';
 import { RestMeasurement, type RestMeasurementOptions } from './measure-at-rest.ts';
 
 /**
- * What a sweep tries. A software rasterizer takes as long for a frame as a GPU for a hundred, with less
- * variation. Combinations of settings take many frames to find.
+ * What a sweep tries. Software draws few frames: one takes it as long as a hundred take a GPU, and their
+ * times vary less. Combinations of settings take many frames to find.
  */
 const SWEEPS = {
   presets: {

@@ -92,7 +92,7 @@ export function hudMoments({ store, recorder, engine }: HudSources, isLarge: boo
         timer = undefined;
         momentMs = performance.now();
         moment = read();
-        // The time that this panel reports as its own includes React's and that of drawing charts.
+        // The panel's own time includes that of React and of its charts.
         flushSync(onChange);
         recorder.spend(performance.now() - momentMs);
         // The memory shown was read earlier, perhaps of another scene. It is read again after MEMORY_INTERVAL_MS.

@@ -75,7 +75,7 @@ interface Loader {
   readonly load: Load;
 }
 
-/** In a folder with several scenes, the first row counts: that of scenes of any size. */
+/** A folder with several scenes is opened by the first row that fits: bricks stream at any size. */
 const LOADERS: readonly Loader[] = [
   {
     mayStream: (name, kind) => {

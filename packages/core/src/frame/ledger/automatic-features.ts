@@ -34,8 +34,15 @@ interface DrawnCloud {
   readonly shape: CloudShape;
 }
 
-/** @template Place what is asked: one cloud of a frame, or the whole frame. */
-export interface FeatureOf<Place> {
+/** Why a feature is on or off in one cloud of a frame, or in a whole frame: its `Place`. */
+export interface Reasons<Place> {
+  /** A function is called only if the feature is on. */
+  readonly onReason: string | ((place: Place) => string);
+  /** A function is called only if the feature is off. */
+  readonly offReason: string | ((place: Place) => string);
+}
+
+interface FeatureOf<Place> extends Reasons<Place> {
   /** Lower case with hyphens. */
   readonly name: string;
   readonly label: string;
@@ -44,10 +51,6 @@ export interface FeatureOf<Place> {
   /** Stages that it may take part in; none if it is not in any shader. */
   readonly stages: readonly string[];
   readonly isOn: (place: Place) => boolean;
-  /** Why it is on; a function is called only if it is. */
-  readonly onReason: string | ((place: Place) => string);
-  /** Why it is off; a function is called only if it is. */
-  readonly offReason: string | ((place: Place) => string);
   /** Bytes of GPU memory held for it; default none. */
   readonly bytes?: (frame: DrawnFrame) => number;
 }

@@ -1,7 +1,7 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { EFFECT_LIST, isSameEffect, type ListedEffect, placeInList } from '../../gpu/effects/effect-list.ts';
 import { changesOrder, parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
-import type { AutomaticFeature, DrawnFrame, FeatureOf } from './automatic-features.ts';
+import type { AutomaticFeature, DrawnFrame, Reasons } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 /** State of one effect in a frame. */
@@ -46,7 +46,7 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
   const bytes = feature.bytes?.(frame) ?? 0;
   if (feature.of === 'view') {
     const isOn = feature.isOn(frame);
-    return { name, label, about, isOn, reason: reasonOf(feature, frame), clouds: [], stages, bytes };
+    return { name, label, about, isOn, reason: reasonOf(feature, isOn, frame), clouds: [], stages, bytes };
   }
   const { plan } = frame;
   const on: Finding[] = [];
@@ -54,15 +54,16 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
   for (const [index, cloudPlan] of plan.clouds.entries()) {
     const place = { plan, index, cloud: cloudPlan, shape: plan.shape.clouds[index] };
     const cloud = cloudPlan.instance.cloud.name;
-    (feature.isOn(place) ? on : off).push({ cloud, reason: reasonOf(feature, place) });
+    const isOn = feature.isOn(place);
+    (isOn ? on : off).push({ cloud, reason: reasonOf(feature, isOn, place) });
   }
   const isOn = on.length > 0;
   const reason = together(isOn ? on : off);
   return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
 }
 
-function reasonOf<Place>({ isOn, onReason, offReason }: FeatureOf<Place>, place: Place): string {
-  const reason = isOn(place) ? onReason : offReason;
+function reasonOf<Place>({ onReason, offReason }: Reasons<Place>, isOn: boolean, place: Place): string {
+  const reason = isOn ? onReason : offReason;
   return typeof reason === 'string' ? reason : reason(place);
 }
 

@@ -2,7 +2,7 @@ import type { FrustumSide } from '../../data/camera/frustum.ts';
 import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { maxScaleOf } from '../../data/packing/chunks.ts';
 
-/** Chunks per group, and groups per group above. They lie in Morton order, so that those of a group are neighbours. */
+/** Chunks per group, and groups per larger group: Morton order makes those of a group neighbours. */
 const GROUP = 16;
 /** The GPU tests chunks in float32 with a slack of 1e-5; this test must keep all that it keeps. */
 const SLACK = 1e-4;
@@ -24,10 +24,10 @@ function boundsOf(buffer: ArrayBuffer): readonly Bounds[] {
   let levels = known.get(buffer);
   if (!levels) {
     const corners = new Float32Array(buffer);
-    const maxScales = Float64Array.from({ length: corners.length / WORDS }, (_, i) => maxScaleOf(corners, i));
+    const maxScales = new Float64Array(corners.length / WORDS).map((_, i) => maxScaleOf(corners, i));
     const made: Bounds[] = [{ corners, maxScales }];
-    while (made[0].maxScales.length > GROUP) made.unshift(boundGroups(made[0], GROUP));
-    levels = made.reverse();
+    while (made.at(-1)!.maxScales.length > GROUP) made.push(boundGroups(made.at(-1)!, GROUP));
+    levels = made;
     known.set(buffer, levels);
   }
   return levels;
@@ -35,8 +35,8 @@ function boundsOf(buffer: ArrayBuffer): readonly Bounds[] {
 
 /**
  * Returns the number of chunks that may reach into a frustum: all that the GPU finds there, and a
- * few at its sides. Most groups are wholly inside or outside, which spares what they hold the test. Others are tested
- * against those planes alone that cut the group that holds them.
+ * few at its sides. A group that is wholly inside or outside decides for all of its chunks. Chunks of
+ * other groups are tested only against the planes that cut their group.
  *
  * @param buffer one `Chunk` struct per chunk; must not change.
  */

@@ -38,7 +38,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
     a.clouds.every((cloud, i) => {
       const other = b.clouds[i];
       return (
-        // Not by planes alone: the last preview of a load shares those of the cloud, which has rows to pick.
+        // The last preview of a load has the planes of the finished cloud, but answers no picks.
         a.shape.clouds[i].cloud === b.shape.clouds[i].cloud &&
         a.shape.clouds[i].planes === b.shape.clouds[i].planes &&
         a.shape.clouds[i].levels === b.shape.clouds[i].levels &&

@@ -192,15 +192,17 @@ interface HookFunction {
   readonly type: string;
   /** Further parameters. */
   readonly others: readonly string[];
-  /** What a frame redoes if the effect has other values: which splats are drawn where, or colours alone. */
+  /** What other values of the effect change: the splats that are drawn and their places, or colours alone. */
   readonly redoes: 'order' | 'colors';
 }
 
+const ORDER_HOOKS = /* @__PURE__ */ (Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]).filter(
+  (hook) => HOOK_FUNCTIONS[hook].redoes === 'order',
+);
+
 /** Whether other values of an effect with these hooks change which splats are drawn, or where. */
 export function changesOrder(hooks: EffectHooks): boolean {
-  return Object.entries(HOOK_FUNCTIONS).some(
-    ([hook, { redoes }]) => redoes === 'order' && hooks[hook as keyof EffectHooks] !== undefined,
-  );
+  return ORDER_HOOKS.some((hook) => hooks[hook] !== undefined);
 }
 
 /**
